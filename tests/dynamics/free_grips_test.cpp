@@ -6,6 +6,8 @@
 
 #include "campaigns/bodies.hpp"
 #include "campaigns/judge.hpp"
+#include "vbond/model/make_bond.hpp"
+#include "vbond/model/periodic_cell.hpp"
 
 namespace vbond::free_grips_test {
 namespace {
@@ -158,6 +160,39 @@ TEST(FreeGrip, SwingsAboutAHinge) {
   }
   EXPECT_NEAR(error[0] / error[1], 4.0, 0.3);
   EXPECT_LT(error[1], 2e-3);
+}
+
+// A grip of one particle that holds its rotation moves as a support that does: also at the face of a cell,
+// where loads come from images.
+TEST(FreeGrip, OfOneParticleMovesAsASupportThroughFaces) {
+  constexpr std::size_t n = 5;
+  std::vector<Vec3d> r;
+  for (std::size_t k = 0; k < n; ++k) r.push_back({static_cast<double>(k), 0, 0});
+  Specimen s = testing::particles_at(r);
+  s.model.cell.edges = {Vec3d{n, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  s.model.cell.periodic = {true, false, false};
+  s.state = at_rest(s.model);
+  BondRecipe recipe;
+  recipe.parameters = BondStiffness<double>{1.0, 0.3, 0.1, 0.1};
+  for (std::size_t k = 0; k < n; ++k) {
+    const Image image{k + 1 == n ? 1 : 0, 0, 0};
+    s.state.bonds.push_back(*make_bond(recipe, bond_site(s.model, s.state, ParticleId{k}),
+                                       bond_site(s.model, s.state, ParticleId{(k + 1) % n}, image)));
+  }
+  Dice dice(11);
+  for (const ParticleId p : s.state.v.ids()) s.state.v[p] = dice.vector(0.05);
+  Stage stage = testing::plain_stage(0.05, 20.0), held = stage;
+  const HeldDofs turns{false, false, false, true, true, true};
+  stage.supports = {grip({ParticleId{0}}, turns)};
+  held.supports = stage.supports;
+  held.supports[0].rigid = false;
+  Simulation run(s.model, stage, s.state), reference(s.model, held, s.state);
+  run.run(), reference.run();
+  for (const ParticleId p : s.state.r.ids()) {
+    ASSERT_LE(norm(run.state().r[p] - reference.state().r[p]), 1e-12);  // 400 steps of rounding
+    ASSERT_LE(norm(run.state().v[p] - reference.state().v[p]), 1e-12);
+  }
+  EXPECT_GT(norm(reference.state().v[ParticleId{0}] - s.state.v[ParticleId{0}]), 0.01);
 }
 
 // A bundle of bonds between a plate that stands and one that a force pulls: it comes to rest where they carry

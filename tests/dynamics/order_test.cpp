@@ -49,7 +49,7 @@ TEST(Order, OfAPartHasOwnParticlesFirstAndThenItsGhosts) {
   EXPECT_EQ(part.particle.values(),
             (std::vector{ParticleId{2}, sent, ParticleId{3}, ParticleId{1}, ParticleId{0}}));
   for (const ParticleId p : r.ids()) EXPECT_EQ(part.particle[part.row[p]], p);
-  EXPECT_EQ(part.inner, 1u);
+  EXPECT_TRUE(part.is_sent(0));
   EXPECT_EQ(part.own, 2u);
   EXPECT_EQ(part.known, 3u);
   EXPECT_TRUE(part.has(ParticleId{4}) && part.knows(ParticleId{3}));

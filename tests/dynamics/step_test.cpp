@@ -292,9 +292,9 @@ void expect_same_bonds(PackLoops<P> BondLoops::*loops, const BondType& type) {
   constexpr std::size_t n = 40;
   const RandomRows rows = random_rows(n, 1.0, 5);
   const std::vector<P> packs = packs_of<P>(law, 9, n, 7);
-  std::vector<PackLanes> lanes(packs.size(), PackLanes{all_lanes, false});
-  lanes[3].crossing = true;
-  lanes[8].active = 0x1f;
+  std::vector<PackLanes> lanes(packs.size(), PackLanes{all_lanes, all_lanes, all_lanes});
+  lanes[3].to_i = 0x5a, lanes[3].to_j = 0x3c;  // of another thread
+  for (const std::size_t lane : {5, 6, 7}) lanes[8].remove(lane);
   PackRun<P> run{packs.data(), lanes.data(), packs.size(), &type};
   std::vector<LoadRow> first_load;
   std::vector<double> first_history;
@@ -305,7 +305,7 @@ void expect_same_bonds(PackLoops<P> BondLoops::*loops, const BondType& type) {
   for (const StepKernel* kernel : available_kernels()) {
     std::vector<LoadRow> load = rows.load, damping = rows.load;
     std::vector<std::uint8_t> broken(packs.size());
-    BondSweep sweep{{10, 30}, rows.pose.data(), load.data(), rows.motion.data(), damping.data()};
+    BondSweep sweep{rows.pose.data(), load.data(), rows.motion.data(), damping.data()};
     sweep.broken = broken.data();
     sweep.dt = 0.1;
     std::vector<double> history(packs.size() * law.history.size() * pack_bonds);

@@ -61,7 +61,7 @@ VBOND_HD BondPose<Real> pose_of(const P& p, const PoseRow* pose, std::size_t l) 
 
 /// Adds the loads of the bonds in lanes l, l + 1 .. of a pack to their rows.
 template <class P>
-VBOND_HD void add_lanes(const P& p, PackLanes in_use, std::size_t l, const BondLoads<Real>& b, RowRange own,
+VBOND_HD void add_lanes(const P& p, PackLanes in_use, std::size_t l, const BondLoads<Real>& b,
                         LoadRow* load) {
   const Real zero(0.0);
   Halves F = {b.F.x, b.F.y, b.F.z, zero}, minus_F;
@@ -71,7 +71,7 @@ VBOND_HD void add_lanes(const P& p, PackLanes in_use, std::size_t l, const BondL
   transpose_halves(M_ji);
   for (std::size_t k = 0; k < 4; ++k) minus_F[k] = -F[k];
   const std::uint32_t *i = p.i + l, *j = p.j + l;
-  if (in_use.active == all_lanes && !in_use.crossing) {
+  if (in_use.to_i == all_lanes && in_use.to_j == all_lanes) {
     for (std::size_t k = 0; k < lanes; ++k) {  // bond after bond: two of them may share a particle
       add_row(F, M_ij, k, numbers(load + i[k]));
       add_row(minus_F, M_ji, k, numbers(load + j[k]));
@@ -79,9 +79,8 @@ VBOND_HD void add_lanes(const P& p, PackLanes in_use, std::size_t l, const BondL
     return;
   }
   for (std::size_t k = 0; k < lanes; ++k) {  // an earlier end costs the loop above registers: 3 % of a step
-    if (!in_use.has(l + k)) continue;
-    if (own.contains(i[k])) add_row(F, M_ij, k, numbers(load + i[k]));
-    if (own.contains(j[k])) add_row(minus_F, M_ji, k, numbers(load + j[k]));
+    if (in_use.adds_to_i(l + k)) add_row(F, M_ij, k, numbers(load + i[k]));
+    if (in_use.adds_to_j(l + k)) add_row(minus_F, M_ji, k, numbers(load + j[k]));
   }
 }
 
@@ -129,14 +128,14 @@ VBOND_HD void fetch(const RowsAhead& ahead, std::size_t first, std::size_t last,
 constexpr std::size_t packs_together = VBOND_PACKS_TOGETHER;
 
 template <template <class> class Law, class P>
-VBOND_HD void add_elastic(const PackRun<P>& run, std::size_t first, std::size_t last, RowRange own,
-                          const PoseRow* pose, LoadRow* load) {
+VBOND_HD void add_elastic(const PackRun<P>& run, std::size_t first, std::size_t last, const PoseRow* pose,
+                          LoadRow* load) {
   constexpr std::size_t parts = pack_bonds / lanes;
   if constexpr (packs_together == 1) {
     for (std::size_t l = 0; l < pack_bonds; l += lanes)
       add_lanes(run.packs[first], run.lanes[first], l,
                 bond_loads(law_of<Law>(run.packs[first], *run.type, l), pose_of(run.packs[first], pose, l)),
-                own, load);
+                load);
   } else {
     Halfway halfway[packs_together * parts];
     for (std::size_t n = 0; n < (last - first) * parts; ++n)
@@ -144,7 +143,7 @@ VBOND_HD void add_elastic(const PackRun<P>& run, std::size_t first, std::size_t 
     for (std::size_t n = 0; n < (last - first) * parts; ++n) {
       const std::size_t pack = first + n / parts, l = n % parts * lanes;
       add_lanes(run.packs[pack], run.lanes[pack], l,
-                second_half<Law>(run.packs[pack], *run.type, l, halfway[n]), own, load);
+                second_half<Law>(run.packs[pack], *run.type, l, halfway[n]), load);
     }
   }
 }
@@ -266,18 +265,18 @@ VBOND_HD void add_inelastic(const PackRun<P>& run, std::size_t pack, BondSweep& 
     }
     if constexpr (damped) {
       const BondLoads<Real> damping = bond_damping(law, b, axis, rates);
-      add_lanes(p, in_use, l, damping, sweep.own, sweep.damping);
+      add_lanes(p, in_use, l, damping, sweep.damping);
       if (sweep.damped != nullptr) add_powers(law, b, axis, rates, damping, in_use, l, *sweep.damped);
       loads = {loads.F + damping.F, loads.M_ij + damping.M_ij, loads.M_ji + damping.M_ji};
     }
-    add_lanes(p, in_use, l, loads, sweep.own, sweep.load);
+    add_lanes(p, in_use, l, loads, sweep.load);
   }
   if (sweep.broken != nullptr) sweep.broken[pack] = static_cast<std::uint8_t>(broken);
 }
 
 template <template <class> class Law, class P>
 void add_loads(const PackRun<P>& run, BondSweep& sweep) {
-  const RowRange own = sweep.own;  // copies: in place they would be read again after each store of loads
+  // copies: in place they would be read again after each store of loads
   const PoseRow* const pose = sweep.pose;
   LoadRow* const load = sweep.load;
   constexpr bool elastic = !ReadsRates<Law<Real>> && !Breakable<Law<Real>>;
@@ -286,7 +285,7 @@ void add_loads(const PackRun<P>& run, BondSweep& sweep) {
     const std::size_t last = k + at_once < run.count ? k + at_once : run.count;
     if (run.ahead.count != 0) fetch(run.ahead, k, last, run.count);
     if constexpr (elastic)
-      add_elastic<Law>(run, k, last, own, pose, load);
+      add_elastic<Law>(run, k, last, pose, load);
     else if (Damped<Law<Real>> && run.type->damped)
       add_inelastic<Law, Damped<Law<Real>>>(run, k, sweep);
     else

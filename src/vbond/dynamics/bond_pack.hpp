@@ -42,12 +42,18 @@ struct alignas(64) FullPack {
   Lanes coefficients[most_coefficients];
 };
 
-/// What is to be known of a pack besides: which lanes are unbroken bonds, a bit each, and whether the loads
-/// of one may belong to particles of another thread.
+/// What is to be known of a pack besides, of each lane a bit: which are unbroken bonds, and which of them add
+/// their loads to their particles i and j. A thread adds to its own particles only.
 struct PackLanes {
   std::uint8_t active = 0;
-  bool crossing = false;
+  std::uint8_t to_i = 0, to_j = 0;
   bool has(std::size_t lane) const { return (active >> lane & 1) != 0; }
+  bool adds_to_i(std::size_t lane) const { return (to_i >> lane & 1) != 0; }
+  bool adds_to_j(std::size_t lane) const { return (to_j >> lane & 1) != 0; }
+  void remove(std::size_t lane) {
+    const auto others = static_cast<std::uint8_t>(~(1u << lane));
+    active &= others, to_i &= others, to_j &= others;
+  }
 };
 inline constexpr std::uint8_t all_lanes = 0xff;
 
@@ -80,7 +86,6 @@ struct DampedPower {
 
 /// What the loop over bonds reads and writes besides the packs.
 struct BondSweep {
-  RowRange own;  ///< rows that loads are added to
   const PoseRow* pose;
   LoadRow* load;
   const MotionRow* rates = nullptr;  ///< of the last half step; for laws that read rates only

@@ -126,7 +126,7 @@ void BondPacks::arrange(const State& state, const Order& order, const Team& team
   for_stretches(sorted, of_one_run, [&](std::size_t first, std::size_t last) {
     const std::size_t block = sorted[first].block();
     while (first_run_.size() <= block) first_run_.push_back(runs_.size());
-    const RowRange own = team.part_of_row(block * block_rows).rows;
+    const Part& own = team.part_of_row(block * block_rows);
     runs_.push_back(add_run(sorted.data() + first, last - first, state, order, own));
   });
   while (first_run_.size() <= team.blocks()) first_run_.push_back(runs_.size());
@@ -135,21 +135,28 @@ void BondPacks::arrange(const State& state, const Order& order, const Team& team
   for (std::size_t k = 0; k < team.blocks(); ++k) reach_.push_back(k + 1);
   for (const Sorted& s : sorted) {
     const std::size_t upper = upper_row(bonds[s.bond], order), block = upper / block_rows;
-    if (upper < order.inner) reach_[s.block()] = std::max(reach_[s.block()], block + 1);
-    if (!team.part_of_row(s.row).rows.contains(upper)) at_border_[s.block()] = at_border_[block] = 1;
+    if (upper < order.own && !order.is_sent(block))
+      reach_[s.block()] = std::max(reach_[s.block()], block + 1);
+    if (team.part_of_row(s.row).has(upper)) continue;
+    at_border_[s.block()] = 1;
+    if (block < team.blocks()) at_border_[block] = 1;
   }
 
   for (const Part& part : team.parts()) {
-    std::vector<Sorted> below;
-    for (const Sorted& s : sorted)
-      if (s.block() < part.first_block && part.rows.contains(upper_row(bonds[s.bond], order)))
-        below.push_back(s);
-    from_below_.emplace_back();
-    for_stretches(
-        below, [](const Sorted& a, const Sorted& b) { return a.kind == b.kind; },
-        [&](std::size_t first, std::size_t last) {
-          from_below_.back().push_back(add_run(below.data() + first, last - first, state, order, part.rows));
-        });
+    std::vector<Sorted> below, above;
+    for (const Sorted& s : sorted) {
+      if (part.rows.contains(s.row) || !part.has(upper_row(bonds[s.bond], order))) continue;
+      (s.block() < part.first_block ? below : above).push_back(s);
+    }
+    const auto add = [&](const std::vector<Sorted>& others, std::vector<Run>& runs) {
+      for_stretches(
+          others, [](const Sorted& a, const Sorted& b) { return a.kind == b.kind; },
+          [&](std::size_t first, std::size_t last) {
+            runs.push_back(add_run(others.data() + first, last - first, state, order, part));
+          });
+    };
+    add(below, from_below_.emplace_back());
+    add(above, from_above_.emplace_back());
   }
   std::stable_sort(known_.begin(), known_.end());
 }
@@ -162,7 +169,7 @@ void BondPacks::note(const Bond& b) {
 }
 
 BondPacks::Run BondPacks::add_run(const Sorted* sorted, std::size_t count, const State& state,
-                                  const Order& order, RowRange own) {
+                                  const Order& order, const Part& own) {
   const PerBond<Bond>& bonds = state.bonds;
   const PerBond<BondHistory>& history = state.bond_history;
   const Kind kind = sorted->kind;
@@ -193,7 +200,8 @@ BondPacks::Run BondPacks::add_run(const Sorted* sorted, std::size_t count, const
         if ((can_break(b) || s.expands) && first + l < count)
           known_.push_back({s.bond, kind.compact, store.bond.size(), at + l, &law});
         store.bond.push_back(s.bond);
-        lanes.crossing |= !own.contains(pack.i[l]) || !own.contains(pack.j[l]);
+        if (lanes.has(l) && own.has(pack.i[l])) lanes.to_i |= static_cast<std::uint8_t>(1u << l);
+        if (lanes.has(l) && own.has(pack.j[l])) lanes.to_j |= static_cast<std::uint8_t>(1u << l);
       }
     }
     return run;
@@ -210,8 +218,8 @@ void BondPacks::visit(const Run& run, F f) const {
     f(run.loops->full, full_.run(run, &full_types_[run.type]), full_);
 }
 
-void BondPacks::add_loads_from_below(const Part& part, BondSweep& sweep) {
-  for (const Run& r : from_below_[part.index])
+void BondPacks::add_loads(const std::vector<Run>& runs, BondSweep& sweep) {
+  for (const Run& r : runs)
     visit(r, [&](const auto& kernel, const auto& run, const auto&) { kernel.add_loads(run, sweep); });
 }
 
@@ -246,7 +254,7 @@ void BondPacks::remove(BondId bond) {
   const auto [first, last] = std::equal_range(known_.begin(), known_.end(), Lane{bond});
   for (auto at = first; at != last; ++at) {
     std::vector<PackLanes>& lanes = at->compact ? compact_.lanes : full_.lanes;
-    lanes[at->lane / pack_bonds].active &= static_cast<std::uint8_t>(~(1u << at->lane % pack_bonds));
+    lanes[at->lane / pack_bonds].remove(at->lane % pack_bonds);
   }
   ++removed_;
 }

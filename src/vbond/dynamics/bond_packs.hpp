@@ -29,10 +29,12 @@ class BondPacks {
   /// concern of the part of their first particle.
   void arrange(const State& state, const Order& order, const Team& team);
 
-  /// Adds what the bonds of lower parts do to the particles of this part, sweep.own: first of all in a part.
-  void add_loads_from_below(const Part& part, BondSweep& sweep);
-  /// Adds the loads of the bonds of a block to the particles of its part, sweep.own. Bonds that break are
-  /// added to `broken`, in no order.
+  /// Adds what the bonds of lower parts do to the particles of this part: first of all in a part.
+  void add_loads_from_below(const Part& part, BondSweep& sweep) { add_loads(from_below_[part.index], sweep); }
+  /// Adds what the bonds of higher parts do to the images of this part: last of all in it.
+  void add_loads_from_above(const Part& part, BondSweep& sweep) { add_loads(from_above_[part.index], sweep); }
+  /// Adds the loads of the bonds of a block to the particles of its part. Bonds that break are added to
+  /// `broken`, in no order.
   void add_loads(const Block& block, BondSweep& sweep, const RowsAhead& ahead, std::vector<BondId>* broken);
 
   /// The bond, which expands, has other lengths now.
@@ -99,8 +101,10 @@ class BondPacks {
 
   Kind kind_of(const Bond& bond, bool expands);
   std::uint32_t number_of(const Bond& bond);
-  Run add_run(const Sorted* sorted, std::size_t count, const State& state, const Order& order, RowRange own);
+  Run add_run(const Sorted* sorted, std::size_t count, const State& state, const Order& order,
+              const Part& own);
   void note(const Bond& bond);
+  void add_loads(const std::vector<Run>& runs, BondSweep& sweep);
   template <class F>
   void visit(const Run& run, F f) const;
 
@@ -108,10 +112,10 @@ class BondPacks {
   Store<CompactPack> compact_;
   Store<FullPack> full_;
   std::vector<Run> runs_;
-  std::vector<std::size_t> first_run_;        // of each block, and the end
-  std::vector<std::size_t> reach_;            // of each block
-  std::vector<std::uint8_t> at_border_;       // of each block
-  std::vector<std::vector<Run>> from_below_;  // of each part
+  std::vector<std::size_t> first_run_;                     // of each block, and the end
+  std::vector<std::size_t> reach_;                         // of each block
+  std::vector<std::uint8_t> at_border_;                    // of each block
+  std::vector<std::vector<Run>> from_below_, from_above_;  // of each part
   std::vector<Lane> known_;  // those that may break or expand, in order of bonds, a bond at most twice
   bool reads_rates_ = false, damp_ = false, remembers_ = false, all_elastic_ = true;
   std::size_t bonds_ = 0, removed_ = 0;  // of all parts, so that they arrange them together

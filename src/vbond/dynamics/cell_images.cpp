@@ -24,33 +24,44 @@ std::vector<ParticleId> not_absent(const Model& model, const State& state) {
 }  // namespace
 
 CellImages::CellImages(const Order& order) : own_(order.own) {
-  for (Row k{order.own}; k.value < order.known; ++k.value)
+  for (Row k{order.own}; k.value < order.known; ++k.value) {
     ghosts_.push_back({order.row[order.particle[k]].value, order.image(k)});
+    while (first_.size() <= ghosts_.back().of / block_rows) first_.push_back(ghosts_.size() - 1);
+  }
 }
 
-void CellImages::halo(const HaloColumns& to) {
-  for (std::size_t k = 0; k < ghosts_.size(); ++k) {
-    const Ghost& g = ghosts_[k];
-    to.pose[own_ + k] = to.pose[g.row];
-    if (!to.motion.empty()) to.motion[own_ + k] = to.motion[g.row];
-    to.carry(own_ + k, g.image);
+void CellImages::halo(const HaloColumns& columns) {
+  for (std::size_t b = 0; b < first_.size(); ++b) halo_of_block(b, columns);
+}
+
+void CellImages::halo_of_block(std::size_t block, const HaloColumns& to) const {
+  for (std::size_t g = first_of(block); g < first_of(block + 1); ++g) {
+    const auto& [of, image] = ghosts_[g];
+    to.pose[own_ + g] = to.pose[of];
+    if (!to.motion.empty()) to.motion[own_ + g] = to.motion[of];
+    to.carry(own_ + g, image);
   }
 }
 
 void CellImages::reverse_sum(std::span<LoadRow> load) {
-  for (std::size_t k = 0; k < ghosts_.size(); ++k) {
-    const LoadRow& l = load[own_ + k];
-    LoadRow& to = load[ghosts_[k].row];
-    to.F += l.F;
-    to.M += l.M;
+  for (std::size_t b = 0; b < first_.size(); ++b) reverse_sum_of_block(b, load);
+}
+
+void CellImages::reverse_sum_of_block(std::size_t block, std::span<LoadRow> load) const {
+  for (std::size_t g = first_of(block); g < first_of(block + 1); ++g) {
+    LoadRow& from = load[own_ + g];
+    LoadRow& to = load[ghosts_[g].of];
+    to.F += from.F;
+    to.M += from.M;
+    from = {};
   }
 }
 
 std::array<Vec3d, 3> CellImages::edges_times_force(std::span<const LoadRow> load) const {
   std::array<Vec3d, 3> sum{};
-  for (std::size_t k = 0; k < ghosts_.size(); ++k) {
-    const Image& n = ghosts_[k].image;
-    const Vec3d& F = load[own_ + k].F;
+  for (std::size_t g = 0; g < ghosts_.size(); ++g) {
+    const Image& n = ghosts_[g].image;
+    const Vec3d& F = load[own_ + g].F;
     sum[0] += double(n.a) * F, sum[1] += double(n.b) * F, sum[2] += double(n.c) * F;
   }
   return sum;

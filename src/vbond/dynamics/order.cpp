@@ -11,6 +11,10 @@
 namespace vbond {
 namespace {
 
+/// Rows of a slab: a few layers, of which what is sent fills blocks of its own. It depends on nothing but the
+/// order, so that results do not depend on the number of threads.
+constexpr std::size_t slab_rows = 8 * block_rows;
+
 /// The layer of each particle along the body's longest, middle and shortest direction.
 using Layers = std::array<std::int64_t, 3>;
 
@@ -65,44 +69,59 @@ Order spatial_order(const PerParticle<Vec3d>& r) {
     order.particle[Row{k}] = ParticleId{sorted[k]};
     order.row[ParticleId{sorted[k]}] = Row{k};
   }
-  order.inner = order.own = order.known = r.size();
+  order.own = order.known = r.size();
   return order;
 }
 
 Order part_of(const Order& whole, const Holding& holding) {
   enum : char { inner, sent, ghost, absent };
   PerParticle<char> place(whole.row.size(), absent);
-  std::vector<std::pair<Row, Image>> ghosts;
-  bool any_image = false;
-  for (const auto& [p, n] : holding.ghosts) {
-    ghosts.emplace_back(whole.row[p], n);
-    if (n.is_itself()) place[p] = ghost;
-    any_image |= !n.is_itself();
-  }
-  std::sort(ghosts.begin(), ghosts.end());
+  for (const ImageOf& g : holding.ghosts)
+    if (g.image.is_itself()) place[g.particle] = ghost;
   for (const ParticleId p : holding.own) place[p] = inner;
   for (const ParticleId p : holding.sent) place[p] = sent;
 
   Order part;
   part.row.resize(whole.row.size());
-  const auto add_all = [&](char which) {
-    for (const ParticleId p : whole.particle) {
-      if (place[p] != which) continue;
-      part.row[p] = Row{part.particle.size()};
-      part.particle.push_back(p);
-    }
-    return part.particle.size();
-  };
-  part.inner = add_all(inner);
-  part.own = add_all(sent);
-  for (const auto& [row, image] : ghosts) {
-    const ParticleId p = whole.particle[row];
-    if (image.is_itself()) part.row[p] = Row{part.particle.size()};
-    if (any_image) part.images.push_back(image), part.by_image.push_back(Row{part.particle.size()});
+  const auto add = [&part](ParticleId p) {
+    part.row[p] = Row{part.particle.size()};
     part.particle.push_back(p);
+  };
+  std::vector<ParticleId> slab;
+  const auto add_slab = [&] {
+    std::stable_partition(slab.begin(), slab.end(), [&place](ParticleId p) { return place[p] == inner; });
+    for (const ParticleId p : slab) {
+      if (place[p] == sent)
+        part.sent_blocks.resize(part.particle.size() / block_rows + 1), part.sent_blocks.back() = 1;
+      add(p);
+    }
+    slab.clear();
+  };
+  for (const ParticleId p : whole.particle) {
+    if (place[p] != inner && place[p] != sent) continue;
+    slab.push_back(p);
+    if (slab.size() == slab_rows) add_slab();
+  }
+  add_slab();
+  part.own = part.particle.size();
+  std::vector<std::pair<Row, ImageOf>> ghosts;
+  bool any_image = false;
+  for (const ImageOf& g : holding.ghosts) {
+    const bool own = place[g.particle] == inner || place[g.particle] == sent;
+    ghosts.emplace_back(own ? part.row[g.particle] : Row{part.own + whole.row[g.particle].value}, g);
+    any_image |= !g.image.is_itself();
+  }
+  std::sort(ghosts.begin(), ghosts.end(), [](const auto& a, const auto& b) {
+    return std::pair(a.first, a.second.image) < std::pair(b.first, b.second.image);
+  });
+  for (const auto& [row, g] : ghosts) {
+    if (g.image.is_itself()) part.row[g.particle] = Row{part.particle.size()};
+    if (any_image) part.images.push_back(g.image), part.by_image.push_back(Row{part.particle.size()});
+    part.particle.push_back(g.particle);
   }
   part.known = part.particle.size();
-  add_all(absent);
+  for (const ParticleId p : whole.particle)
+    if (place[p] == absent) add(p);
   std::sort(part.by_image.begin(), part.by_image.end(),
             [&part](Row k, Row l) { return part.image_of(k) < part.image_of(l); });
   return part;

@@ -10,15 +10,15 @@
 namespace vbond {
 
 /// Which particle stands in which row, and back. All particles have a row. Of a body that is stepped in
-/// parts, each by a process of its own, the first rows are those of the part, at their end those that are
-/// ghosts of other parts; then come its own ghosts, particles of other parts and images of any that it may
-/// touch or is bonded to; what stands in the rows of all others is not known.
+/// parts, each by a process of its own, the first rows are those of the part, those that are sent at the end
+/// of each slab; then come its own ghosts, particles of other parts and images of any that it may touch or is
+/// bonded to; what stands in the rows of all others is not known.
 struct Order {
   PerRow<ParticleId> particle;
   PerParticle<Row> row;
-  std::size_t inner = 0;  ///< rows [0, inner) concern no other part
-  std::size_t own = 0;    ///< rows [0, own) are moved here
-  std::size_t known = 0;  ///< rows [0, known) have the pose of now
+  std::size_t own = 0;            ///< rows [0, own) are moved here
+  std::size_t known = 0;          ///< rows [0, known) have the pose of now
+  std::vector<char> sent_blocks;  ///< of each block of own rows, whether some are sent; empty: none
 
   /// Of a periodic body: which image of its particle each row from `own` to `known` is; empty: those rows, if
   /// any, are particles of other parts.
@@ -36,6 +36,7 @@ struct Order {
   /// The same, of one that may be none.
   std::optional<Row> find(ParticleId p, const Image& n) const;
 
+  bool is_sent(std::size_t block) const { return block < sent_blocks.size() && sent_blocks[block] != 0; }
   bool has(ParticleId p) const { return row[p].value < own; }
   bool knows(ParticleId p) const { return row[p].value < known; }
 };

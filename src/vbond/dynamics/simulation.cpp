@@ -33,7 +33,7 @@ void Simulation::step() {
 
   StepTimes::Lap lap(timed);
   team_.for_blocks([&](const Block& b) {
-    if (moves_first(b)) begin_step(b);
+    if (moves_first(b)) begin_step(b), carry_images(b);
   });
   lap.add_to(times_.integrate);
   exchange_halo();
@@ -51,8 +51,8 @@ void Simulation::step() {
     lap.add_to(times_.contacts);
   }
   step_blocks(timed);
-  if (supports_.grips().any_free()) finish_free_grips();
   complete_sent_blocks(Instant::end);
+  if (supports_.grips().any_free()) finish_free_grips();
   if (cell_.any()) {
     const CellMotion::Done done = cell_.end_step(team_);
     if (leads()) booked_.work_supports += done.work;
@@ -75,8 +75,8 @@ void Simulation::step() {
   }
 }
 
-/// Blocks move, are loaded and kicked while they are in the cache, those of each part in their order. Those
-/// that get loads from ghosts are left loaded.
+/// Blocks move, are loaded and kicked while they are in the cache, those of each part in their order, those
+/// that get loads from ghosts last of all or not yet.
 void Simulation::step_blocks(bool timed) {
   all_known().for_parts([&](const Part& part) {
     StepTimes::Lap lap_of_part(timed && part.index == 0);
@@ -89,10 +89,9 @@ void Simulation::step_blocks(bool timed) {
       const RowsAhead ahead = begun < last_moved ? rows_of(team_.block(begun)) : RowsAhead{};
       add_mutual_loads(part, all_known().block(k), Instant::end, ahead, lap_of_part);
       if (k >= last_moved || is_sent(team_.block(k))) continue;
-      complete_loads(team_.block(k), Instant::end, lap_of_part);  // F, M : at t + dt
-      if (!supports_.grips().waits(team_.block(k))) end_step(team_.block(k));
-      lap_of_part.add_to(times_.integrate);
+      complete_block(team_.block(k), Instant::end, lap_of_part);
     }
+    complete_images(part, Instant::end, lap_of_part);
   });
 }
 
@@ -202,33 +201,41 @@ void Simulation::clear_loads(const Block& b) {  // all at once: std::fill goes r
   if (!bodies_.damping.empty()) clear(bodies_.damping);
 }
 
+BondSweep Simulation::bond_sweep(Instant at) {
+  return {bodies_.pose.data(), bodies_.load.data(), bodies_.rates.data(), bodies_.damping.data(),
+          at == Instant::end ? stage_.dt : 0.0};
+}
+
 /// What particles do to each other. To be called block by block in the order of a part: bonds add to blocks
 /// further on.
 void Simulation::add_mutual_loads(const Part& part, const Block& b, Instant at, const RowsAhead& ahead,
                                   StepTimes::Lap& lap) {
-  const PoseRow* pose = bodies_.pose.data();
-  LoadRow* load = bodies_.load.data();
-  const bool in_step = at == Instant::end;
-  BondSweep sweep{
-      part.rows, pose, load, bodies_.rates.data(), bodies_.damping.data(), in_step ? stage_.dt : 0.0};
+  BondSweep sweep = bond_sweep(at);
   if (b.index == part.first_block) {
     bonds_.add_loads_from_below(part, sweep);
     sweep.dissipated = sweep.by_other_laws = 0.0;  // that of the parts below
   }
   if (!damped_.empty()) *(sweep.damped = &damped_[b.index]) = {};
-  bonds_.add_loads(b, sweep, ahead, in_step ? &breaking_[part.index] : nullptr);
+  bonds_.add_loads(b, sweep, ahead, at == Instant::end ? &breaking_[part.index] : nullptr);
   lap.add_to(times_.bonds);
   if (!only_elastic_) {
     books_[b.index].dissipated += sweep.dissipated;
     lost_[b.index][Loss::other_laws] += sweep.by_other_laws;
   }
   if (!only_elastic_ && anything_touches()) {
-    if (contacts_.any()) books_[b.index].deep |= contacts_.add_loads(particles_of(b), pose, load);
+    if (contacts_.any()) books_[b.index].deep |= contacts_.add_loads(particles_of(b), sweep.pose, sweep.load);
     lap.add_to(times_.contacts);
   }
 }
 
-/// All else, once that is done.
+/// Once that is done for a block and all before it.
+void Simulation::complete_block(const Block& b, Instant at, StepTimes::Lap& lap) {
+  complete_loads(b, at, lap);  // F, M : at t + dt
+  if (at == Instant::end && !supports_.grips().waits(b)) end_step(b);
+  lap.add_to(times_.integrate);
+}
+
+/// All other loads.
 void Simulation::complete_loads(const Block& b, Instant at, StepTimes::Lap& lap) {
   if (!only_elastic_ && capsules_.any()) {
     capsules_.add_loads({b.rows.first, std::min(b.rows.last, bodies_.order.own)}, bodies_.load.data());
@@ -258,6 +265,7 @@ void Simulation::work_out_touches(double dt) {
 void Simulation::evaluate_loads() {
   survey_.reset();
   if (inelastic()) bodies_.rates = bodies_.motion;
+  team_.for_blocks([&](const Block& b) { carry_images(b); });
   exchange_halo();
   contacts_.refresh(bodies_.poses(), all_known());
   capsules_.refresh();
@@ -270,8 +278,9 @@ void Simulation::evaluate_loads() {
     for (std::size_t k = part.first_block; k < part.last_block; ++k) {
       add_mutual_loads(part, all_known().block(k), Instant::start, {}, untimed);
       if (k < team_.blocks() && !is_sent(team_.block(k)))
-        complete_loads(team_.block(k), Instant::start, untimed);
+        complete_block(team_.block(k), Instant::start, untimed);
     }
+    complete_images(part, Instant::start, untimed);
   });
   complete_sent_blocks(Instant::start);
   for (MotionTerm* t : terms_.all()) t->end_step(0.0);

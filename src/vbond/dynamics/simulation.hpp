@@ -223,8 +223,10 @@ class Simulation final : public BodyView, private MotionHost {
   void kick(const Block& block, double h);
   double drift(const Block& block, double h);
   void clear_loads(const Block& block);
+  BondSweep bond_sweep(Instant at);
   void add_mutual_loads(const Part& part, const Block& block, Instant at, const RowsAhead& ahead,
                         StepTimes::Lap& lap);
+  void complete_block(const Block& block, Instant at, StepTimes::Lap& lap);
   void complete_loads(const Block& block, Instant at, StepTimes::Lap& lap);
   bool inelastic() const { return !bodies_.rates.empty(); }
   void keep_rates(const Block& block);
@@ -280,8 +282,13 @@ class Simulation final : public BodyView, private MotionHost {
   void collect_own() const;
   void diverge(std::size_t first_particle, const std::string& who, const std::string& what,
                const std::string& way_out) const override;
+  HaloColumns halo_columns();
+  void carry_images(const Block& block);
   void exchange_halo();
   bool is_sent(const Block& block) const;
+  void take_rates(const RowRange& rows);
+  void complete_images(const Part& part, Instant at, StepTimes::Lap& lap);
+  void complete_sent_block(const Block& block, Instant at, StepTimes::Lap& lap);
   void complete_sent_blocks(Instant at);
   /// Whether it is of interest how far particles go in a step: where something may touch, or be bonded to a
   /// ghost.
@@ -308,7 +315,7 @@ class Simulation final : public BodyView, private MotionHost {
   CellImages images_;
   Exchange& exchange_;  // with the other parts, or with the images
   Team team_;
-  std::optional<Team> with_ghosts_;  // of a part, and of a periodic body
+  std::optional<Team> with_ghosts_;  // where ghosts are more than ends of bonds: then the last part has them
   BondPacks bonds_;
   BondIndex bond_index_;
   Contacts contacts_;

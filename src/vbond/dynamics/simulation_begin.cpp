@@ -20,8 +20,7 @@ std::vector<std::size_t> work_of_blocks(const Model& model, const Bodies& bodies
   std::vector<std::size_t> work((filled_up(bodies.order.own) + block_rows - 1) / block_rows,
                                 work_of_particle(model) * block_rows);
   for (const Bond& b : bonds) {
-    const std::size_t row = std::min(bodies.order.row[b.i], bodies.order.row[b.j]).value;
-    if (row < bodies.order.own) ++work[row / block_rows];
+    if (!b.broken && bodies.order.has(b.i)) ++work[lower_row(b, bodies.order) / block_rows];
   }
   return work;
 }
@@ -71,7 +70,10 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
       farthest_(share.farthest),
       lost_beyond_(share.lost_beyond),
       room_(share.farthest) {
-  if (has_ghosts()) with_ghosts_.emplace(team_, bodies_.order.known);
+  if (is_part_ || contacts_.any() || !stage_.bonding.empty())
+    with_ghosts_.emplace(team_, bodies_.order.known);
+  else
+    team_.give_images([this](const Part& p) { return images_.rows_of(p.first_block, p.last_block); });
   books_.resize(all_known().blocks());
   lost_.resize(all_known().blocks());
   try {

@@ -24,21 +24,37 @@ void put(const std::string& text, std::array<char, N>& to) {
 
 // ---- a step ------------------------------------------------------------------------------------------
 
-/// Ghosts get where their particles are, and where loads depend on it, how they move.
+HaloColumns Simulation::halo_columns() {
+  const bool motion = inelastic() || contacts_.any() || capsules_.any();
+  return {bodies_.pose, motion ? std::span(bodies_.motion) : std::span<MotionRow>(), &state_.cell};
+}
+
+/// The images of a block that has moved get where their particles are, and where loads depend on it, how they
+/// move.
+void Simulation::carry_images(const Block& b) {
+  if (is_part_ || !is_sent(b)) return;
+  images_.halo_of_block(b.index, halo_columns());
+  if (inelastic()) take_rates(images_.rows_of(b.index, b.index + 1));
+}
+
+/// The ghosts of a part get it.
 void Simulation::exchange_halo() {
   for (std::size_t b = team_.blocks(); b < all_known().blocks(); ++b) books_[b] = {}, lost_[b] = {};
-  const bool motion = inelastic() || contacts_.any() || capsules_.any();
-  exchange_.halo({bodies_.pose, motion ? std::span(bodies_.motion) : std::span<MotionRow>(), &state_.cell});
-  if (!inelastic()) return;
-  const auto first = static_cast<std::ptrdiff_t>(bodies_.order.own),
-             last = static_cast<std::ptrdiff_t>(bodies_.order.known);
-  std::copy(bodies_.motion.begin() + first, bodies_.motion.begin() + last, bodies_.rates.begin() + first);
+  if (!is_part_) return;
+  exchange_.halo(halo_columns());
+  if (inelastic()) take_rates({bodies_.order.own, bodies_.order.known});
+}
+
+/// Of ghosts.
+void Simulation::take_rates(const RowRange& rows) {
+  std::copy(&bodies_.motion[rows.first], &bodies_.motion[rows.first] + (rows.last - rows.first),
+            &bodies_.rates[rows.first]);
 }
 
 /// Whether particles of the block are ghosts of other parts; or it ends among ghosts, which must not move on
 /// with it once they have the poses of the step's end.
 bool Simulation::is_sent(const Block& b) const {
-  return has_ghosts() && b.rows.last > bodies_.order.inner;
+  return has_ghosts() && (bodies_.order.is_sent(b.index) || b.rows.last > bodies_.order.own);
 }
 
 /// The sum over images of how many of each edge they are away times the force on them here, before it goes to
@@ -51,12 +67,33 @@ std::array<Vec3d, 3> Simulation::force_on_images() const {
   return sum;
 }
 
-/// What is done to ghosts goes to their parts: none is left here, so that nothing is counted twice. Then the
-/// blocks that it came to have all their loads.
+/// At the end of a part that has images of its own: only bonds concern them, so that it can go on at once,
+/// unless the cell moves and asks for the loads on all images.
+void Simulation::complete_images(const Part& part, Instant at, StepTimes::Lap& lap) {
+  if (with_ghosts_ || !has_ghosts()) return;
+  BondSweep sweep = bond_sweep(at);
+  bonds_.add_loads_from_above(part, sweep);
+  lap.add_to(times_.bonds);
+  if (cell_.any()) return;
+  for (std::size_t b = part.first_block; b < part.last_block; ++b)
+    complete_sent_block(team_.block(b), at, lap);
+}
+
+/// What is done to ghosts goes to their particles: none is left here, so that nothing is counted twice. Then
+/// the block has all its loads.
+void Simulation::complete_sent_block(const Block& b, Instant at, StepTimes::Lap& lap) {
+  if (!is_sent(b)) return;
+  if (!is_part_) images_.reverse_sum_of_block(b.index, bodies_.load);
+  if (!is_part_ && !bodies_.damping.empty()) images_.reverse_sum_of_block(b.index, bodies_.damping);
+  complete_block(b, at, lap);
+}
+
+/// All of them, unless that is done.
 void Simulation::complete_sent_blocks(Instant at) {
   if (cell_.any()) cell_.take_forces(force_on_images());
-  if (!has_ghosts()) return;
+  if (!has_ghosts() || !(with_ghosts_ || cell_.any())) return;
   const auto gather = [this](std::vector<LoadRow>& load) {
+    if (!is_part_) return;
     exchange_.reverse_sum(load);
     std::fill(load.begin() + static_cast<std::ptrdiff_t>(bodies_.order.own),
               load.begin() + static_cast<std::ptrdiff_t>(bodies_.order.known), LoadRow{});
@@ -66,11 +103,9 @@ void Simulation::complete_sent_blocks(Instant at) {
     if (cell_.any()) cell_.take_damping(images_.edges_times_force(bodies_.damping));
     gather(bodies_.damping);
   }
-  StepTimes::Lap untimed(false);
   team_.for_blocks([&](const Block& b) {
-    if (!is_sent(b)) return;
-    complete_loads(b, at, untimed);
-    if (at == Instant::end) end_step(b);
+    StepTimes::Lap untimed(false);
+    complete_sent_block(b, at, untimed);
   });
 }
 

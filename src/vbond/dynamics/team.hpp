@@ -13,6 +13,9 @@ struct Part {
   std::size_t index = 0;
   std::size_t first_block = 0, last_block = 0;  ///< [first, last)
   RowRange rows{};
+  RowRange
+      images{};  ///< of its particles, where nothing but bonds concerns them; else those rows are others'
+  bool has(std::size_t row) const { return rows.contains(row) || images.contains(row); }
 };
 
 /// A thread has at least this much to do, in bonds and particles: some 0.1 ms. On cores of its own a team
@@ -31,6 +34,12 @@ class Team {
   /// would take the cores from the others, which wait without sleeping.
   Team(const Team& of_fewer_rows, std::size_t rows);
   ~Team();
+
+  /// Tells the parts which rows of images are theirs: images_of(part).
+  template <class F>
+  void give_images(F images_of) {
+    for (Part& p : parts_) p.images = images_of(p);
+  }
 
   std::size_t blocks() const { return blocks_; }
   const std::vector<Part>& parts() const { return parts_; }

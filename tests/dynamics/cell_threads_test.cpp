@@ -1,0 +1,83 @@
+// Periodic bodies that are large enough for several threads: same bits with any number of them.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "campaigns/bodies.hpp"
+#include "vbond/core/images.hpp"
+#include "vbond/dynamics/simulation.hpp"
+#include "vbond/model/make_bond.hpp"
+#include "vbond/model/periodic_cell.hpp"
+#include "vbond/model/rules.hpp"
+
+namespace vbond::cell_threads_test {
+namespace {
+
+using testing::Dice;
+using testing::Specimen;
+
+enum class Bonds { elastic, damped, breaking };
+
+/// A cubic lattice that fills a tilted cell, thrown about.
+Specimen lattice(int n, Bonds bonds) {
+  std::vector<Vec3d> r;
+  for (int k = 0; k < n * n * n; ++k) r.push_back({double(k % n), double(k / n % n), double(k / n / n)});
+  Specimen s = testing::particles_at(r);
+  const double edge = n;
+  s.model.cell.edges = {Vec3d{edge, 0, 0}, {0, edge, 0}, {0, 1, edge}};
+  s.model.cell.periodic = {true, true, true};
+  s.state = at_rest(s.model);
+  BondRecipe recipe;
+  recipe.parameters = BondStiffness<double>{1.0, 0.3, 0.1, 0.1};
+  if (bonds != Bonds::elastic) recipe.damping = {DampingBy::time, {0.1, 0.1, 0.1, 0.1}};
+  if (bonds == Bonds::breaking) recipe.rules.strength = linear_strength(0.2, 0.1, 0.1, 0.1);
+  for_near_images(s.state.cell, s.model.cell.periodic, s.state.r.values(), 1.1,
+                  [&](std::size_t i, std::size_t j, const Image& image, double) {
+                    s.state.bonds.push_back(*make_bond(recipe, bond_site(s.model, s.state, ParticleId{i}),
+                                                       bond_site(s.model, s.state, ParticleId{j}, image)));
+                  });
+  Dice dice(3);
+  for (Vec3d& v : s.state.v) v = dice.vector(0.3);
+  for (Vec3d& w : s.state.omega) w = dice.vector(0.3);
+  return s;
+}
+
+struct Case {
+  Bonds bonds;
+  bool moves = false, touches = false;
+};
+
+TEST(PeriodicBody, OfManyThreadsMovesBitForBit) {
+  for (const Case& c : {Case{Bonds::elastic},
+                        {Bonds::damped},
+                        {Bonds::breaking},
+                        {Bonds::damped, true},
+                        {Bonds::breaking, true},
+                        {Bonds::breaking, true, true}}) {
+    Specimen s = lattice(20, c.bonds);
+    if (c.touches) {
+      s.model.contact.law = ContactLaw::hertz, s.model.contact.pairs = ContactPairs::unbonded;
+      s.model.contact.E = 5.0, s.model.contact.nu = 0.2;
+    }
+    Stage stage = testing::plain_stage(0.05, 1e3);
+    if (c.moves) stage.cell.component[5] = {CellComponent::By::strain, 0.01, {}};
+    const auto run = [&](int threads) {
+      State state = s.state;
+      while (state.clock.step < 40) {  // images are found anew on the way
+        Simulation motion(s.model, stage, std::move(state), threads);
+        EXPECT_GE(motion.threads(), std::min(threads, 2));
+        motion.run({}, 40 - motion.clock().step);
+        state = std::move(motion).take_state();
+      }
+      return state;
+    };
+    const State one = run(1);
+    EXPECT_EQ(one.breaks > 0, c.bonds == Bonds::breaking) << one.breaks;
+    for (const int threads : {2, 3})
+      EXPECT_EQ(run(threads), one) << "bonds " << int(c.bonds) << (c.moves ? ", moving" : "")
+                                   << (c.touches ? ", touching" : "") << ", threads " << threads;
+  }
+}
+
+}  // namespace
+}  // namespace vbond::cell_threads_test
