@@ -22,7 +22,7 @@ namespace {
 /// Calls f with every number of the rules, in the order of files.
 template <class Rules, class F>
 void visit(Rules& r, F f) {
-  auto& [stretch, strength, damped, yield, creep, softening] = r;
+  auto& [stretch, strength, damped, yield, creep, softening, rubbing] = r;
   f(stretch.form), f(stretch.k3), f(stretch.k4), f(stretch.compression), f(stretch.largest), f(stretch.alpha);
   f(strength.criterion);
   f(strength.axial), f(strength.shear), f(strength.bending), f(strength.torsion), f(strength.friction);
@@ -35,6 +35,7 @@ void visit(Rules& r, F f) {
   f(yield.compression);
   f(creep.rate), f(creep.exponent);
   f(softening.force), f(softening.length);
+  f(rubbing.friction), f(rubbing.reach);
   f(stretch.table.count);
   for (std::size_t k = 0; k < StretchTable::most; ++k)
     f(stretch.table.D[k]), f(stretch.table.U[k]), f(stretch.table.curvature[k]);
