@@ -5,7 +5,8 @@ import signal
 from shutil import rmtree
 
 import pytest
-from program import (EXAMPLES, HERE, STATICS, column, expect_same, instruction_sets, lines, number, refused, stop_at, vbond)
+from program import (EXAMPLES, HERE, STATICS, column, expect_same, instruction_sets, lines, number, refused, stop_at,
+                     vbond, write)
 
 CASE = HERE / "flat_joints.toml"
 SHEAR = EXAMPLES / "joint_shear.toml"
@@ -44,7 +45,7 @@ def test_the_example_has_the_figures_of_coulomb(work):
     vbond("run", SHEAR, *"-o shear".split())
     area, pressure = math.pi * 0.8e-3 ** 2, 100.0
     peak = 60e6 * area + pressure * math.tan(math.radians(30))
-    force = [abs(x) for x in column("shear", "reaction.last.Fy")]
+    force = [abs(x) for x in column("shear", "reaction.last.fy")]
     assert max(force) == pytest.approx(peak, rel=5e-3)
     assert force[-1] == pytest.approx(0.4 * pressure, rel=1e-7)
     assert lines("shear/breaks.csv") == 1 + 12
@@ -52,14 +53,19 @@ def test_the_example_has_the_figures_of_coulomb(work):
 
 
 @pytest.mark.parametrize("change, err", [
-    ("bonds[0].flat_joint.around=2", "bonds.flat_joint.around = 2"),
-    ("bonds[0].flat_joint.friction=-1", "bonds.flat_joint.friction = -1"),
+    ("bonds[0].flat_joint.around=2", "use 1, or 3 and more"),
+    ("bonds[0].flat_joint.friction=-1", "must satisfy 0 <= friction"),
     ("bonds[0].strength.moment_share=0.5", "without moment_share"),
-    ("bonds[0].damping={time=1e-6}", "bonds whose cells rub when they are broken do not damp"),
+    ("bonds[0].damping={time='1 us'}", "bonds whose cells rub when they are broken do not damp"),
     ("bonds[0].prestrain=0.001", "do not expand, are made at rest"),
     ("bonds[0].section={shape='square',side='1 mm'}", "a flat joint is a circle of springs per area"),
     ("bonds[0].stiffness_factors={c_A=2}", "c_B follows from c_A"),
     ("bonds[0].yield={axial_force='1 N'}", "are elastic until they break"),
 ])
 def test_refused(work, change, err):
-    refused(SHEAR, "joint_shear.toml:", err, sets=change)
+    refused(SHEAR, err, sets=change)
+
+
+def test_place_of_a_mistake(work):
+    write("two.toml", SHEAR.read_text(), ("around = 6, friction = 0.4", "around = 2, friction = -1"))
+    refused("two.toml", "two.toml:21:27: bonds[0].flat_joint.around = 2", "two.toml:21:39: bonds[0].flat_joint.friction = -1")

@@ -10,7 +10,7 @@
 #include "rods.hpp"
 #include "vbond/model/bond_sums.hpp"
 
-namespace vbond {
+namespace vbond::losses_test {
 namespace {
 
 using testing::Specimen;
@@ -216,4 +216,4 @@ TEST(Losses, AreTheSameBitsAfterAnyResumption) {
 }
 
 }  // namespace
-}  // namespace vbond
+}  // namespace vbond::losses_test
