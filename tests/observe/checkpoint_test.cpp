@@ -189,7 +189,7 @@ TEST(Checkpoint, OtherFormatNamesTheVersionToUse) {
   Chain chain;
   write_checkpoint(folder / "c.h5", chain.model, {chain.state, {}}, "9.8.7");
   std::string newer = content_of(folder / "c.h5");
-  newer.replace(newer.find("format 5\n"), 9, "format 7\n");
+  newer.replace(newer.find("format 4\n"), 9, "format 7\n");
   put_content(folder / "c.h5", newer);
   expect_error(folder / "c.h5", chain.model, "vbond 9.8.7, in format 7");
 }

@@ -35,10 +35,10 @@ void visit(Rules& r, F f) {
   f(yield.compression);
   f(creep.rate), f(creep.exponent);
   f(softening.force), f(softening.length);
-  f(rubbing.friction), f(rubbing.reach);
   f(stretch.table.count);
   for (std::size_t k = 0; k < StretchTable::most; ++k)
     f(stretch.table.D[k]), f(stretch.table.U[k]), f(stretch.table.curvature[k]);
+  f(rubbing.friction), f(rubbing.reach);  // files of earlier versions end before them
 }
 
 }  // namespace

@@ -16,7 +16,7 @@
 namespace vbond {
 namespace {
 
-constexpr std::int32_t format_version = 5;
+constexpr std::int32_t format_version = 4;
 
 void check_fingerprint(H5Reader& reader, const Model& model) {
   const std::size_t n = reader.rows("/model/mass");
