@@ -42,6 +42,12 @@ void refuse_what_lammps_lacks(const Case& c, const Model& model, const BondList&
     problems.push_back({c.cell ? c.cell->place : file, "a periodic cell",
                         "the list of bonds names particles, and not which of their images a bond joins",
                         "export an open body"});
+  for (const BondSpec& set : c.bonds)
+    if (set.recipe.flat_joint.any())
+      problems.push_back(
+          {set.place, fmt::format("bonds \"{}\": flat_joint", set.name),
+           "the cells of a joint are several bonds of one pair, which LAMMPS does not tell apart",
+           "export the case without flat_joint"});
   for (const BondKind& kind : list.kinds)
     if (kind.law->remembers())
       problems.push_back({file, fmt::format("bonds of the law {}", kind.law->name),

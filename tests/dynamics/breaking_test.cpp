@@ -83,6 +83,7 @@ TEST(Rules, ComeBackFromTheirNumbers) {
   }
   rules.strength = {Criterion::energy, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
   rules.damped = true;
+  rules.rubbing = {0.5, 12};
   const auto back = rules_of(numbers_of(rules));
   ASSERT_TRUE(back.has_value());
   EXPECT_TRUE(*back == rules);

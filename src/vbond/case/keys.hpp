@@ -89,6 +89,8 @@ void describe(Table& t, ContactPairSpec& p);
 void describe_rules(Table& t, BondSpec& b);
 /// Yield, creep and softening, after the rules above.
 void describe_flow(Table& t, BondSpec& b);
+void describe_flat_joint(Table& t, BondSpec& b);
+void check_flat_joint(Table& t, const BondSpec& b);
 /// The theory of these bonds if it has a cross-section, else nullptr.
 const TheoryParameters* theory_with_section(const BondRecipe& recipe);
 

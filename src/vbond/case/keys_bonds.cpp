@@ -235,8 +235,10 @@ void describe(Table& t, BondSpec& b) {
           default_is("each bond's own length"),
           "the law's coefficients are worked out at this length and are the same for all bonds of the set");
   });
+  describe_flat_joint(t, b);
   describe_rules(t, b);
   describe_flow(t, b);
+  check_flat_joint(t, b);
   check_neck(t, b.recipe);
   check_crossings(t, b);
 }

@@ -207,7 +207,8 @@ void describe_strength(Table& t, BondSpec& b) {
         [&](Table& k) { describe_section(k, s.section ? *s.section : s.section.emplace()); },
         s.section.has_value());
   });
-  const bool own = theory && theory->of_radii.any();
+  const bool of_cells = theory && b.recipe.flat_joint.any();
+  const bool own = theory && (theory->of_radii.any() || of_cells);
   const Section section = own ? unit_section : theory ? theory->section : s.section.value_or(Section{});
   t.check(!needs_section(s.criterion) || section.r > 0.0, {"criterion", "section"},
           "stresses need a section with the distance of its outermost fibre",
@@ -215,8 +216,10 @@ void describe_strength(Table& t, BondSpec& b) {
                  : "add section = {shape = \"circle\", diameter = ...}");
   t.check(!(weibull.volume > 0.0) || section.A > 0.0, {"weibull", "section"},
           "a volume needs the area of a section", "add section, or leave out volume");
-  weibull.area = section.A;
-  b.recipe.rules.strength = resolve(s, section);
+  weibull.area = of_cells && !theory->of_radii.any() ? theory->section.A : section.A;
+  StrengthSpec limits = s;
+  if (of_cells) limits.moments = 0.0;
+  b.recipe.rules.strength = resolve(limits, section);
   if (own && needs_section(s.criterion)) b.recipe.rules.strength.own_section = true;
 }
 

@@ -268,6 +268,15 @@ BondHistory BondPacks::history(BondId bond) const {
   return history;
 }
 
+void BondPacks::put_history(BondId bond, const BondHistory& history) {
+  const auto [first, last] = std::equal_range(known_.begin(), known_.end(), Lane{bond});
+  for (auto at = first; at != last; ++at) {
+    std::vector<double>& numbers = at->compact ? compact_.history : full_.history;
+    for (std::size_t n = 0; n < at->law->history.size(); ++n)
+      numbers[at->history + n * pack_bonds] = history[n];
+  }
+}
+
 void BondPacks::collect(PerBond<BondHistory>& history) const {
   const auto collect_run = [&](const Run& run, const auto& store) {
     const std::size_t n = run.law->history.size();

@@ -49,6 +49,8 @@ class BondPacks {
   /// What a bond that may break or expands remembers now.
   BondHistory history(BondId bond) const;
   bool all_elastic() const { return all_elastic_; }
+  /// The bond, which may break, remembers this from now on.
+  void put_history(BondId bond, const BondHistory& history);
   /// What each bond remembers now; those that are broken are left as they are.
   void collect(PerBond<BondHistory>& history) const;
 

@@ -201,6 +201,7 @@ class Simulation final : public BodyView, private MotionHost {
   bool break_bonds();
   Broken broken_now(BondId bond);
   Contacts::Touch touch_of_unbonded(const Bond& bond);
+  void leave_faces(const Bond& bond, const BondPose<double>& pose, Broken& broken);
   void take_out(const Broken& broken);
   void take_up_loads();
   bool has_only_elastic_bonds() const;

@@ -107,6 +107,8 @@ void Simulation::take_up_loads() {
 
 /// A bond that breaks, with what is taken off its particles.
 struct Simulation::Broken {
+  bool cracked = false;  // its faces rub from now on
+  bool parted = false;   // they did, and part: not told as another break
   BondEvent event;
   BondLoads<double> loads;    // with its damping, less those of the contact that this makes of them
   BondLoads<double> damping;  // of these
@@ -135,7 +137,7 @@ bool Simulation::break_bonds() {
   for (const Broken& record : records) take_out(record);
   contacts_.list_unbonded(bodies_, all_known());
   exchange_capsules();
-  state_.breaks += static_cast<std::int64_t>(broken.size());
+  state_.breaks += std::count_if(records.begin(), records.end(), [](const Broken& b) { return !b.parted; });
   if (!bonds_.is_sparse()) return true;
   if (bonds_.remembers()) bonds_.collect(state_.bond_history);
   arrange_bonds();
@@ -169,6 +171,8 @@ Simulation::Broken Simulation::broken_now(BondId k) {
   Bond& b = state_.bonds[k];
   Broken broken{};
   broken.event.bond = k;
+  broken.cracked = b.law->crack != nullptr && !is_cracked(b);
+  broken.parted = is_cracked(b);
   if (bodies_.order.has(b.i)) {
     const Row i = bodies_.order.row_i(b), j = bodies_.order.row_j(b);
     broken.r_ij = bodies_.between(i, j);
@@ -184,7 +188,10 @@ Simulation::Broken Simulation::broken_now(BondId k) {
       broken.loads = {broken.loads.F + damping.F, broken.loads.M_ij + damping.M_ij,
                       broken.loads.M_ji + damping.M_ji};
     }
+    broken.released = broken.event.energy;
+    if (broken.cracked) leave_faces(b, pose, broken);
   }
+  if (broken.cracked) return broken;
   bonds_.remove(k);
   b.broken = true;
   bond_index_.remove(k, b.i, b.j);
@@ -195,8 +202,19 @@ Simulation::Broken Simulation::broken_now(BondId k) {
     bonding_.unbonded(b);
   }
   broken.loads.F -= touch.force;
-  broken.released = broken.event.energy - touch.energy;
+  broken.released -= touch.energy;
   return broken;
+}
+
+/// The bond cracks: what its faces still carry is not taken off.
+void Simulation::leave_faces(const Bond& b, const BondPose<double>& pose, Broken& broken) {
+  const BondId k = broken.event.bond;
+  const BondHistory history = state_.bond_history[k] = b.law->crack(b, pose, state_.bond_history[k]);
+  bonds_.put_history(k, history);
+  const BondLoads<double> left = b.law->loads(b, pose, history);
+  broken.loads = {broken.loads.F - left.F, broken.loads.M_ij - left.M_ij, broken.loads.M_ji - left.M_ji};
+  const BondEnergy<double> U = b.law->energy(b, pose, history);
+  broken.released -= U.U_L + U.U_B + U.U_T;
 }
 
 /// Lists the two for contact, now that no bond is between them, and returns what contact makes of them, on
@@ -217,7 +235,7 @@ Contacts::Touch Simulation::touch_of_unbonded(const Bond& b) {
 /// Takes it off the particles that are moved here, and tells of it.
 void Simulation::take_out(const Broken& broken) {
   Bond& b = state_.bonds[broken.event.bond];
-  b.mode = broken.event.cause.mode;
+  if (!broken.parted) b.mode = broken.event.cause.mode;
   const auto take = [&](std::vector<LoadRow>& load, const BondLoads<double>& loads) {
     take_away(loads, load[bodies_.order.row[b.i].value], load[bodies_.order.row[b.j].value]);
     for (const ParticleId p : {b.i, b.j})
@@ -228,7 +246,7 @@ void Simulation::take_out(const Broken& broken) {
   taken_.push_back({b.i, b.j, broken.loads});
   if (cell_.any()) cell_.take_out(broken.r_ij, b.image_j, broken.loads.F, broken.damping.F);
   if (bodies_.order.has(b.i)) booked_.released += broken.released;
-  events_.push_back(broken.event);
+  if (!broken.parted) events_.push_back(broken.event);
   survey_.reset();
 }
 

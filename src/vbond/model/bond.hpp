@@ -35,6 +35,15 @@ struct Bond {
   friend bool operator==(const Bond&, const Bond&) = default;
 };
 
+/// Whether a bond has cracked, and its faces still rub; and whether it has failed, so that it holds nothing
+/// together: broken and gone, or cracked.
+inline bool is_cracked(const Bond& b) {
+  return !b.broken && b.mode != BreakMode::none;
+}
+inline bool has_failed(const Bond& b) {
+  return b.broken || is_cracked(b);
+}
+
 /// Whether a bond adds loads of damping, and whether it may break.
 inline bool is_damped(const Bond& b) {
   return b.law->damped && (!b.law->has_rules || b.rules->damped);
@@ -46,12 +55,13 @@ inline bool needs_rates(const Bond& b) {
   return is_damped(b) || b.law->remembers();
 }
 
-/// Whether it flows with time; and whether it flows, or is damaged, by what is done to it, however fast.
+/// Whether it flows with time; and whether it flows, slips or is damaged by what is done to it, however fast.
 inline bool creeps(const Bond& b) {
   return b.law->remembers() && b.law->has_rules && b.rules->creep.rate > 0.0;
 }
 inline bool yields_or_softens(const Bond& b) {
-  return b.law->remembers() && (!b.law->has_rules || b.rules->yield != Yield{} || b.rules->softening.any());
+  return b.law->remembers() &&
+         (!b.law->has_rules || b.rules->yield != Yield{} || b.rules->softening.any() || is_cracked(b));
 }
 
 /// The offsets o_i2, o_i3, o_j2, o_j3 of a bond, see with_offsets.hpp; zeros without.  [length]
@@ -202,6 +212,21 @@ struct BondDamping {
   std::array<double, 4> values{};
 };
 
+/// A flat joint: the section of a bond in `radial` rings of equal thickness, each in `around` equal parts.
+/// Each part is a bond of its own, a cell.
+struct FlatJoint {
+  int radial = 0;  ///< > 0; 0: bonds are whole
+  int around = 0;  ///< 1, or 3 and more
+
+  bool any() const { return radial > 0; }
+};
+/// A cell of a flat joint whose section has the radius 1.
+struct JointCell {
+  double area = 0;        ///< as a part of that of the section
+  double y = 0, z = 0;    ///< of its centroid, along n_2 and n_3
+  double own_moment = 0;  ///< second moment of area about the centroid, the mean of all axes, over its area
+};
+
 /// Weibull's distribution of strength: a bond of volume V = A a has the factor (V_0/V)^(1/m)
 /// (-ln(1-u))^(1/m), with u drawn from the seed and the two particles.
 struct Weibull {
@@ -218,6 +243,8 @@ struct BondRecipe {
   BondStiffness<double> factors{1.0, 1.0, 1.0, 1.0};  ///< on what stiffnesses or theory say, > 0
   BondRules rules;  ///< for a law that has rules; whether it is damped follows from `damping`
   BondDamping damping;
+  FlatJoint flat_joint;           ///< of theory `parallel` with a circle, only
+  std::optional<JointCell> cell;  ///< of it, that this recipe makes: see recipes_of
   Weibull weibull;
   Coefficients given{};  ///< besides stiffnesses or theory: coefficients that do not follow from them
   Attachment attachment = Attachment::centres;

@@ -31,6 +31,7 @@ std::span<const BondLaw* const> named_laws() {
 
 const BondLaw* with_rules(const BondLaw& law, const BondRules& rules) {
   if (law.has_rules) return &law;
+  if (rules.rubbing.any()) return law.with_rubbing;
   return rules.flow() ? law.with_flow : law.with_rules;
 }
 
@@ -44,7 +45,7 @@ const BondLaw* with_offsets(const BondLaw& law) {
 const BondLaw* find_law(std::string_view name, std::span<const BondLaw* const> others) {
   for (const std::span<const BondLaw* const> laws : {bond_laws(), others})
     for (const BondLaw* const law : laws)
-      for (const BondLaw* const form : {law, law->with_rules, law->with_flow})
+      for (const BondLaw* const form : {law, law->with_rules, law->with_flow, law->with_rubbing})
         if (form != nullptr && form->name == name) return form;
   return nullptr;
 }

@@ -32,11 +32,13 @@ struct BondLaw {
   double strained_past;                           ///< tilt or twist from which a bond is strained  [degrees]
   std::string_view rest_condition, rest_way_out;  ///< when rest is the least energy, and how to get there
   std::span<const std::string_view> history;      ///< names of what a bond remembers
+  std::size_t dissipated_at;                      ///< which of it is what it has dissipated; or most_history
   bool damped, breakable;
-  bool has_rules;             ///< whether it reads the rules of a bond
-  const BondLaw* with_rules;  ///< this law with rules; nullptr unless it takes them
-  const BondLaw* with_flow;   ///< the same with flow
-  bool has_offsets;           ///< whether its first coefficients are offsets of the bonded points
+  bool has_rules;               ///< whether it reads the rules of a bond
+  const BondLaw* with_rules;    ///< this law with rules; nullptr unless it takes them
+  const BondLaw* with_flow;     ///< the same with flow
+  const BondLaw* with_rubbing;  ///< this law with rules whose bonds rub when they have broken
+  bool has_offsets;             ///< whether its first coefficients are offsets of the bonded points
   /// The loads that damping adds.
   BondLoads<double> (*damping_loads)(const Bond&, const BondPose<double>&, const BondRates<double>&);
   BondEnergy<double> (*energy)(const Bond&, const BondPose<double>&, const BondHistory&);
@@ -47,6 +49,9 @@ struct BondLaw {
   /// What is remembered after a time dt at the end of which the pose and these rates hold.
   BondHistory (*advance)(const Bond&, const BondPose<double>&, const BondRates<double>&, double dt,
                          const BondHistory&);
+  /// What a bond that rubs once it has broken remembers when it breaks as it stands; nullptr for laws whose
+  /// bonds are gone then.
+  BondHistory (*crack)(const Bond&, const BondPose<double>&, const BondHistory&);
   /// How near the bond is to breaking, at 1, and by what; zeros for laws that do not break.
   Failure<double> (*failure)(const Bond&, const BondPose<double>&, const BondHistory&);
   /// Force of stretching at the length D.  [force]
@@ -79,8 +84,8 @@ inline constexpr const BondLaw& bond_law = LawObject<Law>::object;
 std::span<const BondLaw* const> bond_laws();
 std::span<const BondLaw* const> named_laws();
 
-/// This law with rules, and with flow if the rules say so; or nullptr, of a law of a program's own that
-/// damps, breaks or remembers by itself, or has more than eight coefficients.
+/// This law with rules, and with flow, or rubbing, if the rules say so; or nullptr, of a law of a program's
+/// own that damps, breaks or remembers by itself, or has more than eight coefficients.
 const BondLaw* with_rules(const BondLaw& law, const BondRules& rules);
 
 /// The form with offsets of a law of the library with rules or flow; nullptr for other laws.

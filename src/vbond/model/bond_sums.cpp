@@ -41,16 +41,22 @@ Energies bond_energies(const State& state) {
 double dissipated_by_flow(const State& state) {
   double sum = 0.0;
   for (const BondId k : state.bond_history.ids())
-    if (state.bonds[k].law->has_rules) sum += state.bond_history[k][memory::dissipated];
+    if (const BondLaw& law = *state.bonds[k].law; law.has_rules && law.remembers())
+      sum += state.bond_history[k][law.dissipated_at];
   return sum;
 }
 
 Losses losses_by_flow(const State& state) {
   Losses lost;
   for (const BondId k : state.bond_history.ids()) {
-    if (!state.bonds[k].law->has_rules) continue;
+    const BondLaw& law = *state.bonds[k].law;
+    if (!law.has_rules || !law.remembers()) continue;
     const BondRules& rules = *state.bonds[k].rules;
     const BondHistory& history = state.bond_history[k];
+    if (law.crack != nullptr) {
+      lost[Loss::friction] += history[law.dissipated_at];
+      continue;
+    }
     const FlowLimits yield = lost_by_yield(rules.yield, history);
     lost[Loss::yield_axial] += yield.axial;
     lost[Loss::yield_shear] += yield.shear;

@@ -12,6 +12,10 @@ namespace vbond {
 /// of a law are normal to d.  [force]
 inline double axial_force(const Bond& b, const BondHistory& history, const Vec3d& r_ij, const Quatd& q_i,
                           const Quatd& q_j) {
+  if (b.law->crack != nullptr) {  // faces that have slipped or turned: by all of the pose
+    const BondPose<double> pose = bond_pose(b, r_ij, q_i, q_j);
+    return dot(b.law->loads(b, pose, history).F, bond_axis(b, pose).d);
+  }
   const bool at_centres = b.R_i == 0.0 && b.R_j == 0.0 && !b.law->has_offsets;  // no need of the axes
   const double D = at_centres ? norm(r_ij) : norm(bonded_points(b, bond_pose(b, r_ij, q_i, q_j)));
   return b.law->tension(b, D, history);
@@ -43,7 +47,8 @@ Energies bond_energies(const State& state);
 inline bool has_lost_its_flow(const BondHistory& h) {
   return !std::all_of(h.begin(), h.end(), [](double x) { return std::isfinite(x); });
 }
-/// What bonds that yield, creep or soften have dissipated since they were made, broken ones too.  [energy]
+/// What bonds that yield, creep, soften or rub have dissipated since they were made, broken ones too.
+/// [energy]
 double dissipated_by_flow(const State& state);
 /// The same by cause.
 Losses losses_by_flow(const State& state);

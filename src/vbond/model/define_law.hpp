@@ -42,12 +42,36 @@ LawHistory<Law<double>> history_of_bond(const BondHistory& h) {
   return history;
 }
 
+template <template <class> class Law>
+BondHistory as_bond_history(const LawHistory<Law<double>>& h) {
+  BondHistory history{};
+  std::copy_n(h.value, history_of<Law<double>>, history.begin());
+  return history;
+}
+
 namespace detail {
 
 template <class Law>
 constexpr std::span<const std::string_view> history_names() {
   if constexpr (Remembering<Law>) return Law::history;
   return {};
+}
+
+template <class Law>
+constexpr std::size_t dissipated_at() {
+  if constexpr (requires { Law::dissipated_at; }) return Law::dissipated_at;
+  return most_history;
+}
+
+template <template <class> class Law>
+constexpr auto crack_of() -> BondHistory (*)(const Bond&, const BondPose<double>&, const BondHistory&) {
+  if constexpr (requires(const Law<double>& m, const BondPose<double>& b, const BondAxis<double>& axis,
+                         const LawHistory<Law<double>>& h) { crack(m, b, axis, h); })
+    return [](const Bond& b, const BondPose<double>& pose, const BondHistory& h) {
+      const Law<double> law = law_of<Law>(b);
+      return as_bond_history<Law>(crack(law, pose, bond_axis(law, pose), history_of_bond<Law>(h)));
+    };
+  return nullptr;
 }
 
 template <class Law>
@@ -93,11 +117,13 @@ constinit const BondLaw LawObject<Law>::object{
     .rest_condition = Law<double>::rest_condition,
     .rest_way_out = Law<double>::rest_way_out,
     .history = detail::history_names<Law<double>>(),
+    .dissipated_at = detail::dissipated_at<Law<double>>(),
     .damped = Damped<Law<double>>,
     .breakable = Breakable<Law<double>>,
     .has_rules = detail::has_rules<Law<double>>(),
     .with_rules = detail::in_form<Law, WithRules>(),
     .with_flow = detail::in_form<Law, WithFlow>(),
+    .with_rubbing = detail::in_form<Law, WithRubbing>(),
     .has_offsets = OffsetLaw<Law<double>>,
     .damping_loads =
         [](const Bond& b, const BondPose<double>& pose, const BondRates<double>& rates) {
@@ -125,15 +151,13 @@ constinit const BondLaw LawObject<Law>::object{
         [](const Bond& b, const BondPose<double>& pose, const BondRates<double>& rates, double dt,
            const BondHistory& h) {
           if constexpr (Remembering<Law<double>>) {
-            const auto now = advance(law_of<Law>(b), pose, bond_axis(law_of<Law>(b), pose), rates, dt,
-                                     history_of_bond<Law>(h));
-            BondHistory history{};
-            std::copy_n(now.value, history_of<Law<double>>, history.begin());
-            return history;
+            return as_bond_history<Law>(advance(law_of<Law>(b), pose, bond_axis(law_of<Law>(b), pose), rates,
+                                                dt, history_of_bond<Law>(h)));
           } else {
             return h;
           }
         },
+    .crack = detail::crack_of<Law>(),
     .failure =
         [](const Bond& b, const BondPose<double>& pose, const BondHistory& h) {
           Failure<double> f{};

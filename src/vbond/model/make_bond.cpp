@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "vbond/model/joint_cells.hpp"
 #include "vbond/model/rules.hpp"
 
 namespace vbond {
@@ -22,8 +23,8 @@ BondStiffness<double> parallel_of(const TheoryParameters& t, const Section& s, c
   return parallel_bond(k_n, k_s, s);
 }
 
-BondStiffness<double> stiffness_of(const TheoryParameters& t, double a, const BondRadii& R) {
-  const Section s = section_of(t, R);
+BondStiffness<double> stiffness_of(const TheoryParameters& t, const Section& s, double a,
+                                   const BondRadii& R) {
   switch (t.theory) {
     case BondTheory::bernoulli_euler: return bernoulli_euler(t.material, s, a);
     case BondTheory::timoshenko: return timoshenko(t.material, s, a, t.kappa);
@@ -32,6 +33,12 @@ BondStiffness<double> stiffness_of(const TheoryParameters& t, double a, const Bo
     case BondTheory::parallel: return parallel_of(t, s, R);
   }
   return {};
+}
+
+/// Of a whole bond, or of the cell of a flat joint.
+Section section_of(const BondRecipe& recipe, const TheoryParameters& t, const BondRadii& R) {
+  const Section whole = section_of(t, R);
+  return recipe.cell ? section_of_cell(*recipe.cell, whole) : whole;
 }
 
 /// The radius of the section that a neck has; 0 if the recipe has no round section.
@@ -88,7 +95,7 @@ double variate(std::uint64_t seed, ParticleId i, ParticleId j) {
 /// What a bond of a law with rules has besides its stiffness.
 void add_rules(const BondRecipe& recipe, const BondSite& i, const BondSite& j, Bond& b) {
   if (!b.law->has_rules) return;
-  BondRules rules = recipe.rules;
+  BondRules rules = recipe.cell ? rules_of_cell(*recipe.cell, recipe.rules) : recipe.rules;
   rules.damped = recipe.damping.by != DampingBy::none;
   b.rules = &kept(rules);
   if (rules.damped) {
@@ -102,6 +109,13 @@ void add_rules(const BondRecipe& recipe, const BondSite& i, const BondSite& j, B
         theory && theory->of_radii.any() ? section_of(*theory, {i.radius, j.radius}).A : recipe.weibull.area;
     coefficient_of(b, RuleCoefficient::weakness) = 1.0 / weibull_factor(recipe.weibull, u, A * b.a) - 1.0;
   }
+}
+
+/// Where the middle of the cell of a flat joint is: both sites have the same offset from their centres.
+BondSite at_cell(const BondRecipe& recipe, BondSite site, const BondRadii& R, const Axes<double>& n) {
+  const double r = section_of(std::get<TheoryParameters>(recipe.parameters), R).r;
+  site.offset += r * (recipe.cell->y * n.y + recipe.cell->z * n.z);
+  return site;
 }
 
 /// Lets the bonded points of a bond be where the sites say: offset from the axis through the centres of its
@@ -160,7 +174,7 @@ BondStiffness<double> stiffness_of(const BondRecipe& recipe, double a, const Bon
   };
   if (const auto* c = std::get_if<BondStiffness<double>>(&recipe.parameters)) return times_factors(*c);
   if (const auto* t = std::get_if<TheoryParameters>(&recipe.parameters))
-    return times_factors(stiffness_of(*t, a_ref, radii));
+    return times_factors(stiffness_of(*t, section_of(recipe, *t, radii), a_ref, radii));
   return stiffness_of(with_coefficients(recipe, a, 0.0, 0.0, radii));
 }
 
@@ -202,6 +216,8 @@ Vec3d bond_n_2(const Vec3d& e, const std::optional<Vec3d>& wanted) {
 }
 
 std::optional<Bond> make_bond(const BondRecipe& recipe, const BondSite& i, const BondSite& j) {
+  if (recipe.flat_joint.any() && !recipe.cell)
+    throw std::invalid_argument("make_bond: a flat joint is several bonds: make one by each of recipes_of()");
   const Vec3d r_ij = between(i.r + i.offset, j.r + j.offset);
   const double distance = norm(r_ij);
   const BondRadii radii{i.radius, j.radius};
@@ -220,7 +236,11 @@ std::optional<Bond> make_bond(const BondRecipe& recipe, const BondSite& i, const
   b.frame_j = conjugate(j.q) * frame;
   if (recipe.capsule)
     b.capsule = recipe.capsule_radius > 0.0 ? recipe.capsule_radius : std::min(i.radius, j.radius);
-  offset_points(recipe, i, j, axes(frame), b);
+  const Axes<double> n = axes(frame);
+  if (recipe.cell)
+    offset_points(recipe, at_cell(recipe, i, radii, n), at_cell(recipe, j, radii, n), n, b);
+  else
+    offset_points(recipe, i, j, n, b);
   add_rules(recipe, i, j, b);
   return b;
 }

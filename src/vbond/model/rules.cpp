@@ -22,7 +22,7 @@ namespace {
 /// Calls f with every number of the rules, in the order of files.
 template <class Rules, class F>
 void visit(Rules& r, F f) {
-  auto& [stretch, strength, damped, yield, creep, softening] = r;
+  auto& [stretch, strength, damped, yield, creep, softening, rubbing] = r;
   f(stretch.form), f(stretch.k3), f(stretch.k4), f(stretch.compression), f(stretch.largest), f(stretch.alpha);
   f(strength.criterion);
   f(strength.axial), f(strength.shear), f(strength.bending), f(strength.torsion), f(strength.friction);
@@ -38,6 +38,7 @@ void visit(Rules& r, F f) {
   f(stretch.table.count);
   for (std::size_t k = 0; k < StretchTable::most; ++k)
     f(stretch.table.D[k]), f(stretch.table.U[k]), f(stretch.table.curvature[k]);
+  f(rubbing.friction), f(rubbing.reach);  // files of earlier versions end before them
 }
 
 }  // namespace

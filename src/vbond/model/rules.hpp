@@ -11,7 +11,7 @@ namespace vbond {
 const BondRules& kept(const BondRules& rules);
 
 /// Rules as a row of numbers, for files: names of forms and criteria by their place, then parameters.
-inline constexpr std::size_t rule_numbers = 38 + 3 * StretchTable::most;
+inline constexpr std::size_t rule_numbers = 40 + 3 * StretchTable::most;
 using RuleNumbers = std::array<double, rule_numbers>;
 RuleNumbers numbers_of(const BondRules& rules);
 /// Nothing if these are numbers of no rules.

@@ -287,6 +287,12 @@ inline BondShape bond_shape(const State& s, BondId k) {
   return bond_shape(elastic_pose(s, k), 0.0, 0.0);
 }
 
+/// Whether the faces of a bond that has cracked do not touch.
+inline bool stands_open(const State& s, BondId k) {
+  const Bond& b = s.bonds[k];
+  return is_cracked(b) && !(b.law->energy(b, bond_pose(b, s), history_of_bond(s, k)).U_L > 0.0);
+}
+
 /// Energy and loads of a bond as its particles stand now, damping left out; nothing if it is broken.
 inline BondEnergy<double> bond_energy(const State& s, BondId k) {
   const Bond& b = s.bonds[k];

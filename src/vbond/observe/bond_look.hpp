@@ -39,9 +39,9 @@ inline RangeCounts count_ranges(const BodyView& body) {
   return deformed.empty() ? RangeCounts{} : count_ranges(body.state(), deformed);
 }
 
-/// How many bonds have broken.
+/// How many bonds have broken; those that rub from then on, too.
 inline std::int64_t count_broken(const PerBond<Bond>& bonds) {
-  return std::count_if(bonds.begin(), bonds.end(), [](const Bond& b) { return b.broken; });
+  return std::count_if(bonds.begin(), bonds.end(), has_failed);
 }
 
 }  // namespace vbond

@@ -11,7 +11,7 @@ Fragments find_fragments(const Model& model, const PerBond<Bond>& bonds,
                          const std::vector<ParticleId>& without) {
   DisjointSets<ParticleId> sets(model.particles());
   for (const Bond& b : bonds)
-    if (!b.broken) sets.join(b.i, b.j);
+    if (!has_failed(b)) sets.join(b.i, b.j);
 
   std::vector<Fragment> found;  // in the order of their lowest particles
   constexpr std::size_t none = static_cast<std::size_t>(-1);

@@ -171,7 +171,9 @@ BondView bond_view(BondId id, const State& state, bool may_break) {
           .utilisation = may_break && !b.broken && can_break(b)
                              ? b.law->failure(b, pose, history_of_bond(state, id)).utilisation
                              : 0.0,
-          .flowed = b.law->has_rules && b.law->remembers() ? history_of_bond(state, id) : no_history};
+          .flowed = b.law->has_rules && b.law->remembers() && b.law->crack == nullptr
+                        ? history_of_bond(state, id)
+                        : no_history};
 }
 
 void write_particles_vtp(const fs::path& path, const Model& model, const State& state,

@@ -13,7 +13,7 @@ constexpr double degrees = 180.0 / std::numbers::pi;
 
 /// none: whole.
 BreakMode mode_of(const Bond& b) {
-  if (!b.broken) return BreakMode::none;
+  if (!has_failed(b)) return BreakMode::none;
   return b.mode == BreakMode::none ? BreakMode::other : b.mode;
 }
 

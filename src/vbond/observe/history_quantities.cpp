@@ -258,8 +258,10 @@ const std::vector<GroupQuantity>& of_groups() {
          "damping takes in a step, shared out as the powers in its middle); `bond_damping` (bonds of a "
          "program's own law that does not tell its channels); `yield_axial`, `yield_shear`, `yield_bending`, "
          "`yield_torsion`; `creep`; `softening`; `other_laws` (bonds of a program's own law that remember "
-         "something); `drag` and `local_damping` of particles; `contact_damping`; `friction`; `rolling` (and "
-         "twisting); `adhesion`; `bonding` (contacts that end because the pair is bonded)"}},
+         "something); `drag` and `local_damping` of particles; `contact_damping`; `friction`, also of "
+         "cracked "
+         "bonds; `rolling` (and twisting); `adhesion`; `bonding` (contacts that end because the pair is "
+         "bonded)"}},
        names_of_losses,
        [](const Values& v, std::size_t k, std::vector<Cell>& to) { to.emplace_back(v.losses[k]); }},
       {"velocity",

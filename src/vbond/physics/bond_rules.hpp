@@ -5,6 +5,15 @@
 
 namespace vbond {
 
+/// What is left of a bond when it breaks: two plane faces that push and rub.
+struct Rubbing {
+  double friction = 0;  ///< coefficient of friction of the faces, >= 0
+  double reach = 0;  ///< shift at which they part, over the radius that c_B and c_A tell; 0: nothing is left
+
+  bool any() const { return reach > 0.0; }
+  friend constexpr bool operator==(const Rubbing&, const Rubbing&) = default;
+};
+
 /// What the bonds of a set share besides being elastic: the form of their stretching, whether they damp, what
 /// they break by, and how they flow or soften.
 struct BondRules {
@@ -14,6 +23,7 @@ struct BondRules {
   Yield yield;
   Creep creep;
   Softening softening;
+  Rubbing rubbing;
 
   bool can_break() const { return strength.criterion != Criterion::none || softening.any(); }
   /// Whether bonds remember something.

@@ -5,6 +5,7 @@
 #include "vbond/physics/flow_step.hpp"
 #include "vbond/physics/tangent.hpp"
 #include "vbond/physics/with_offsets.hpp"
+#include "vbond/physics/with_rubbing.hpp"
 
 /// The tangent of bonds that yield or soften, for an increment that takes no time: loads at its end, after
 /// the flow that it brings, as a function of the pose at its end.
@@ -59,8 +60,10 @@ FlowAmounts<Dual<N>> following_limits(FlowAmounts<Dual<N>> over, const FlowAmoun
 /// Loads of a flowing bond at the end of an increment from the memory `before`, whose pose has derivatives
 /// `b`.
 template <template <class> class Law, Scalar D>
-BondLoads<D> loads_after_flow(const Law<double>& law, const BondPose<double>& pose, const BondPose<D>& b,
-                              const LawHistory<Law<double>>& before) {
+requires FlowingLaw<Law<double>> BondLoads<D> loads_after_flow(const Law<double>& law,
+                                                               const BondPose<double>& pose,
+                                                               const BondPose<D>& b,
+                                                               const LawHistory<Law<double>>& before) {
   const BondAxis<double> still = bond_axis(law, pose);
   const LawHistory<Law<double>> now = advance(law, pose, still, BondRates<double>{}, 0.0, before);
   FlowAmounts<double> amounts;
@@ -80,6 +83,19 @@ BondLoads<D> loads_after_flow(const Law<double>& law, const BondPose<double>& po
   }
   if (now.value[memory::damage] > before.value[memory::damage]) soften(m, b, axis, BondRates<D>{}, D(0.0), h);
   return bond_loads(m, b, axis, h);
+}
+
+/// The same of a bond that rubs, whose slip follows from the pose in closed form.
+template <template <class> class Law, Scalar D>
+requires RubbingLaw<Law<double>> BondLoads<D> loads_after_flow(const Law<double>& law,
+                                                               const BondPose<double>& /*pose*/,
+                                                               const BondPose<D>& b,
+                                                               const LawHistory<Law<double>>& before) {
+  const Law<D> m = with_scalar<D>(law);
+  const BondAxis<D> axis = bond_axis(m, b);
+  LawHistory<Law<D>> h;
+  for (std::size_t k = 0; k < rubbed::count; ++k) h.value[k] = D(before.value[k]);
+  return bond_loads(m, b, axis, advance(m, b, axis, BondRates<D>{}, D(0.0), h));
 }
 
 /// Loads of a flowing bond, offset or not, at the end of an increment from the memory `before`, and their

@@ -59,7 +59,9 @@ struct WithFlow {
 };
 
 template <class Law>
-concept FlowingLaw = HasRules<Law> && Remembering<Law> && !OffsetLaw<Law>;
+concept FlowingLaw = HasRules<Law> && Remembering<Law> && !OffsetLaw<Law> && requires(const Law& law) {
+  law.about(law.a);
+};
 
 /// The frames of a bond as flow has turned them against its particles.
 template <Scalar T>

@@ -119,13 +119,22 @@ VBOND_HD Failure<T> bond_failure(const Law& m, const BondPose<T>& b, const BondA
 template <OffsetLaw Law, Scalar T, MemoryOf<Law>... History>
 VBOND_HD T utilisation(const Law& m, const BondPose<T>& b, const BondAxis<T>& axis, const BondLoads<T>& loads,
                        const History&... h) {
-  return bond_failure(m, b, axis, loads, h...).utilisation;
+  return utilisation(m.centred(), m.at_offsets(b), axis, m.at_offsets(b, loads),
+                     history_as<typename Law::Centred>(h)...);
 }
 template <OffsetLaw Law, Scalar T, MemoryOf<Law> History>
 VBOND_HD History advance(const Law& m, const BondPose<T>& b, const BondAxis<T>& axis,
                          const BondRates<T>& rates, const T& dt, const History& h) {
   return history_as<Law>(advance(m.centred(), m.at_offsets(b), axis, m.at_offsets(b, rates), dt,
                                  history_as<typename Law::Centred>(h)));
+}
+template <OffsetLaw Law, Scalar T>
+requires requires(const typename Law::Centred& m) {
+  m.intact();
+}
+VBOND_HD LawHistory<Law> crack(const Law& m, const BondPose<T>& b, const BondAxis<T>& axis,
+                               const LawHistory<Law>& h) {
+  return history_as<Law>(crack(m.centred(), m.at_offsets(b), axis, history_as<typename Law::Centred>(h)));
 }
 template <OffsetLaw Law, Scalar T>
 VBOND_HD BondPose<T> elastic_pose(const Law& m, const BondPose<T>& b, const LawHistory<Law>& h) {

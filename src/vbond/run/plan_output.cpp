@@ -52,7 +52,8 @@ std::vector<Loss> possible_losses(const Case& c, const Model& model) {
       {Loss::drag, stages([](const StageSpec& s) { return s.b_translation > 0.0 || s.b_rotation > 0.0; })},
       {Loss::local_damping, stages([](const StageSpec& s) { return s.local_damping > 0.0; })},
       {Loss::contact_damping, touches},
-      {Loss::friction, touches && contact.tangential != TangentialForm::none},
+      {Loss::friction, (touches && contact.tangential != TangentialForm::none) ||
+                           rules([](const BondRules& r) { return r.rubbing.friction > 0.0; })},
       {Loss::rolling, touches && contact.rolling != RollingForm::none},
       {Loss::adhesion, touches && contact.adhesion != AdhesionForm::none},
       {Loss::bonding, particles_touch(contact) && contact.pairs == ContactPairs::unbonded &&

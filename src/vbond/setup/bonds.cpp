@@ -8,6 +8,7 @@
 #include "vbond/model/bond_sums.hpp"
 #include "vbond/model/capsules.hpp"
 #include "vbond/model/energies.hpp"
+#include "vbond/model/joint_cells.hpp"
 #include "vbond/model/make_bond.hpp"
 #include "vbond/model/touching.hpp"
 
@@ -109,6 +110,7 @@ void make_bonds(const Case& c, std::size_t set, const Model& model, State& state
   const BondSpec& spec = c.bonds[set];
   BondRecipe recipe = spec.recipe;
   recipe.set = static_cast<std::uint32_t>(set);
+  const std::vector<BondRecipe> cells = recipes_of(recipe);
   FirstAndCount no_length, no_radius, unstable, snapping, no_capsule, broken;
   CapsuleMistake of_capsule;
   const EnergyBooks books = state.books;
@@ -126,7 +128,7 @@ void make_bonds(const Case& c, std::size_t set, const Model& model, State& state
         bare = true;
       }
     if (bare) continue;
-    const auto bond = make_bond(recipe, site_i, site_j);
+    const auto bond = make_bond(cells.front(), site_i, site_j);
     if (!bond) {
       no_length.note(length_left(recipe, site_i, site_j));
       continue;
@@ -151,6 +153,8 @@ void make_bonds(const Case& c, std::size_t set, const Model& model, State& state
                                   pair.i.value, pair.j.value, distance, bond->capsule));
     }
     add_bond(model, *bond, recipe, state);
+    for (std::size_t cell = 1; cell < cells.size(); ++cell)
+      add_bond(model, *make_bond(cells[cell], site_i, site_j), recipe, state);
   }
   if (any_capsules(model.contact, state.bonds)) {  // what others touch changes, too
     state.books.dissipated = books.dissipated + (dissipated_by_flow(state) - flowed);
@@ -181,16 +185,18 @@ bool expect_bonds(const Case& c, std::size_t set, const Model& model, State& sta
   if (spec.reach() || std::holds_alternative<AtCrossings>(spec.select.value)) return false;
   BondRecipe recipe = spec.recipe;
   recipe.set = static_cast<std::uint32_t>(set);
+  const std::vector<BondRecipe> cells = recipes_of(recipe);
   bool all = true;
-  SharedCells cells;
-  const SelectedPairs selected = select_pairs(c, set, model, state, problems, cells);
+  SharedCells shared;
+  const SelectedPairs selected = select_pairs(c, set, model, state, problems, shared);
   for (std::size_t k = 0; k < selected.pairs.size(); ++k) {
     const auto [i, j] = sites_of(selected, k, model, state);
     if (is_waiting(state, i.id) || is_waiting(state, j.id)) continue;
-    if (const auto bond = make_bond(recipe, i, j))
-      state.bonds.push_back(*bond);
-    else
-      all = false;
+    for (const BondRecipe& cell : cells)
+      if (const auto bond = make_bond(cell, i, j))
+        state.bonds.push_back(*bond);
+      else
+        all = false;
   }
   if (!state.bond_history.empty()) state.bond_history.resize(state.bonds.size());
   return all;

@@ -317,7 +317,7 @@ void check_against_step(const StageSpec& spec, const Model& model, const State& 
   too_short(spec.place, "duration", stage.stops.duration);
   if (stage.stops.breaks && stage.bonding.empty()) {
     const auto left = std::count_if(state.bonds.begin(), state.bonds.end(),
-                                    [](const Bond& b) { return !b.broken && can_break(b); });
+                                    [](const Bond& b) { return !has_failed(b) && can_break(b); });
     if (left < stage.stops.breaks->count)
       problems.add(spec.stop_breaks->place, fmt::format("stop.breaks.count = {}", stage.stops.breaks->count),
                    fmt::format("only {} bonds may break in stage \"{}\"", left, spec.name),

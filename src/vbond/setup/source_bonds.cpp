@@ -47,6 +47,10 @@ PerBond<Bond> bonds_so_far(const Built& built, const Source& source) {
 void take_down(const Case& c, std::size_t set, const SelectedPairs& selected, const State& waiting,
                Built& built, Source& source, Problems& problems) {
   if (selected.pairs.empty()) return;
+  if (c.bonds[set].recipe.flat_joint.any())
+    return problems.add(c.bonds[set].place, fmt::format("bonds \"{}\": flat_joint", c.bonds[set].name),
+                        "bodies of a source come in with whole bonds",
+                        "leave flat_joint out for these bodies, or put them there from the start");
   State made = waiting;
   make_bonds(c, set, built.model, made, selected, problems);
   BondRecipe recipe = c.bonds[set].recipe;

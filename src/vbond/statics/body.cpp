@@ -92,6 +92,20 @@ Block block_of(const PairTangent<9>& t, double length) {
   return K;
 }
 
+namespace {
+
+/// The antisymmetric part of how the force of a bond that has cracked goes with the distance: friction
+/// follows the pressure, and not the other way round. That of a bond that does not slip is rounding.
+double skew_of_friction(const Bond& b, const PairTangent<9>& t) {
+  constexpr double rounding = 1e-12;
+  double largest = 0.0;
+  for (std::size_t k = 0; k < 3; ++k)
+    largest = larger(largest, 0.5 * std::abs(t.d[k][(k + 1) % 3] - t.d[(k + 1) % 3][k]));
+  return largest > rounding * b.law->stiffness(b).c_A ? largest : 0.0;
+}
+
+}  // namespace
+
 double distance(const Placement& a, const Placement& b, double length) {
   double largest = 0.0;
   const bool cell_moved = a.cell != b.cell;
@@ -121,7 +135,7 @@ StaticBody::StaticBody(const Model& model, const StaticStage& stage, State state
       terms_(*this, state_),
       bonded_(model.particles(), false),
       held_rate_(model.particles()),
-      stiffness_{Assembly(unknowns_), Assembly(unknowns_), {}, {}, false} {
+      stiffness_{Assembly(unknowns_), Assembly(unknowns_), {}, {}, 0.0, false} {
   begin_anew(state_, Anew::at_rest);
   for (CellEdge& e : state_.cell) e = {.along = e.along};
   for (PairMemory& m : state_.contact_history) m.history = {};  // nothing is rubbed at rest
@@ -345,6 +359,7 @@ const StaticBody::Stiffness& StaticBody::stiffness_at_hand() const {
     lay_out(to_lay_out);
 
   assembly.clear();
+  stiffness_.friction = 0.0;
   if (flows()) stiffness_.full.clear();
   const std::size_t n = model_.particles();
   Loads with_factor{PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)}, constant = with_factor;
@@ -359,6 +374,7 @@ const StaticBody::Stiffness& StaticBody::stiffness_at_hand() const {
     if (b.broken) continue;
     const PairTangent<9> t = b.law->tangent(b, bond_pose(b, state_), history_before(k));
     add_pair(b.i, b.j, b.image_j, block_of(t, unknowns_.length()));
+    if (is_cracked(b)) stiffness_.friction = larger(stiffness_.friction, skew_of_friction(b, t));
   }
   for (std::size_t k = 0; k < touching.size(); ++k) {
     const auto& [i, j] = touching[k];
@@ -402,6 +418,7 @@ double StaticBody::moment_part() const {
   }
   for_followers([&](int, int, double K) { largest = std::max(largest, std::abs(K)); });
   for (const RestTerm* t : terms_.all()) largest = std::max(largest, t->largest_skew());
+  if (flows()) largest = std::max(largest, friction_part());
   if (!has_free_cell()) return largest;
   constexpr double rounding = 1e-14;  // of the tangent: its rows and columns are summed up differently
   const Stiffness& s = stiffness_at_hand();
@@ -482,11 +499,23 @@ Energies StaticBody::energies() const {
 
 void StaticBody::break_bond(BondId k, BreakMode mode) {
   Bond& broken = state_.bonds[k];
-  broken.broken = true;
   broken.mode = mode;
+  if (broken.law->crack != nullptr) return leave_faces(k);
+  broken.broken = true;
   bonded_[broken.i] = bonded_[broken.j] = false;
   for (const Bond& b : state_.bonds)
     if (!b.broken) bonded_[b.i] = bonded_[b.j] = true;
+  placed();
+}
+
+/// The bond cracks, and its faces rub from this balance on.
+void StaticBody::leave_faces(BondId k) {
+  const Bond& b = state_.bonds[k];
+  const BondHistory cracked = b.law->crack(b, bond_pose(b, state_), state_.bond_history[k]);
+  state_.bond_history[k] = cracked;
+  if (!std::exchange(flows_, true)) lay_out({});
+  accepted_ = state_.bond_history;
+  accept();
   placed();
 }
 

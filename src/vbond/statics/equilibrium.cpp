@@ -343,8 +343,9 @@ class LoadSteps {
         fmt::format("load factor {:.6g}: the determinant of the tangent is negative: the balance is "
                     "unstable, and is kept: {} no potential that would show a way down from it",
                     body_.load_factor(),
-                    body_.terms().pressure.without_energy() ? "pressure at a free edge has"
-                                                            : "moments of fixed direction have"));
+                    body_.friction_part() > 0.0               ? "friction of cracked bonds has"
+                    : body_.terms().pressure.without_energy() ? "pressure at a free edge has"
+                                                              : "moments of fixed direction have"));
   }
 
   void tell_neutral() const {

@@ -250,10 +250,10 @@ StaticOutcome find_modes(const Model& model, const StaticStage& stage, State sta
   StaticBody body(model, loaded, std::move(*balanced));
   refuse_pressure_without_energy(body);
   if (body.has_moment_part() && hooks.tell)
-    hooks.tell(
-        fmt::format("stage \"{}\": moments of fixed direction have no potential: frequencies are those of "
-                    "the symmetric part of the tangent",
-                    stage.name));
+    hooks.tell(fmt::format(
+        "stage \"{}\": {} no potential: frequencies are those of the symmetric part of the tangent",
+        stage.name,
+        body.friction_part() > 0.0 ? "friction of cracked bonds has" : "moments of fixed direction have"));
   const MassRoot root(model, body.state(), body.unknowns());
   const SparseMatrix rigid = motions_without_stiffness(body, root);
   const Vibrating vibrating{body, root, rigid, stage.count};

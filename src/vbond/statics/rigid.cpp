@@ -57,8 +57,8 @@ PerParticle<std::vector<Link>> links(const Model& model, const State& state, con
   const auto join = [&](ParticleId i, ParticleId j, const Image& n) {
     from[i].push_back({j, n}), from[j].push_back({i, -n});
   };
-  for (const Bond& b : state.bonds)
-    if (!b.broken) join(b.i, b.j, b.image_j);
+  for (const BondId k : state.bonds.ids())
+    if (const Bond& b = state.bonds[k]; !b.broken && !stands_open(state, k)) join(b.i, b.j, b.image_j);
   for_touching_pairs(model, state,
                      [&](ParticleId i, ParticleId j, const Image& n, double) { join(i, j, n); });
   for (const ParticleId p : model.mass.ids())

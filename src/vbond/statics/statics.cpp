@@ -34,7 +34,7 @@ StaticOutcome run_kind(const Model& model, const StaticStage& stage, State state
 }
 
 /// Loads that depend on the way there in a manner that statics does not know have no balance that follows
-/// from positions. Bonds that yield or soften do, by increments; a path does not go by increments, and a
+/// from positions. Bonds that yield, soften or rub do, by increments; a path does not go by increments, and a
 /// critical load is one of a potential. Creep takes time, of which a balance has none: it stays as it is.
 void refuse_bonds_that_remember(const StaticStage& stage, const State& state) {
   for (const BondId k : state.bonds.ids()) {
@@ -48,11 +48,11 @@ void refuse_bonds_that_remember(const StaticStage& stage, const State& state) {
                       b.law->name),
           "bring the body to rest in a stage of dynamics, with damping");
     if (yields_or_softens(b) && (stage.kind == StageKind::path || stage.kind == StageKind::buckling))
-      throw NoEquilibrium(
-          stage.name,
-          fmt::format("{} yields or softens: a {} goes back and forth, which such a bond does not", bond,
-                      stage.kind == StageKind::path ? "path" : "search for critical loads"),
-          "kind = \"equilibrium\" and \"fracture\" take such bonds, load step by load step");
+      throw NoEquilibrium(stage.name,
+                          fmt::format("{} {}: a {} goes back and forth, which such a bond does not", bond,
+                                      is_cracked(b) ? "has cracked and rubs" : "yields or softens",
+                                      stage.kind == StageKind::path ? "path" : "search for critical loads"),
+                          "kind = \"equilibrium\" and \"fracture\" take such bonds, load step by load step");
   }
 }
 

@@ -151,7 +151,7 @@ struct Stored<Losses> : Stored<decltype(Losses::of)> {
 };
 
 /// The name of a bond law, filled up with zeros.
-using LawName = std::array<char, 32>;
+using LawName = std::array<char, 48>;
 inline LawName law_name(std::string_view name) {
   LawName n{};
   if (name.size() >= n.size()) throw IoError("has a bond law whose name is too long");
@@ -164,7 +164,7 @@ inline std::string text_of(const LawName& name) {
 template <>
 struct Stored<LawName> {
   using Number = std::uint8_t;
-  static constexpr std::size_t count = 32;
+  static constexpr std::size_t count = std::tuple_size_v<LawName>;
   static void put(const LawName& n, Number* to) { std::copy(n.begin(), n.end(), to); }
   static void take(const Number* from, LawName& n) {
     std::transform(from, from + count, n.begin(), [](Number c) { return static_cast<char>(c); });

@@ -16,7 +16,7 @@ namespace vbond {
 inline constexpr const char* law_names_path = "/laws/name";
 inline constexpr const char* rule_numbers_path = "/rules/numbers";
 inline constexpr const char* law_names_meaning =
-    "names of the bond laws, 32 bytes each, filled up with zeros";
+    "names of the bond laws, 48 bytes each, filled up with zeros";
 inline constexpr const char* rule_numbers_meaning =
     "stretching, strength and damping that bonds share, in the units of the case; only where bonds have "
     "rules";

@@ -142,10 +142,12 @@ class StaticBody {
   int pattern_version() const { return stiffness_at_hand().assembly.version(); }
   /// Derivative of unbalanced() with the load factor, supports moving with it.  [force]
   const Vector& load_direction() const { return stiffness_at_hand().load_direction; }
-  /// The largest entry of the antisymmetric part that outside moments, and loads that turn with a particle,
-  /// leave in balance, here.  [force/length]
+  /// The largest entry of the antisymmetric part that outside moments, loads that turn with a particle, and
+  /// friction leave in balance, here.  [force/length]
   double moment_part() const;
   bool has_moment_part() const { return moment_part() > 0.0; }
+  /// The same of the friction of cracked bonds that slip, which is among it.
+  double friction_part() const { return stiffness_at_hand().friction; }
   /// Whether full_tangent() is another matrix: with such moments, or where bonds flow. Those of which one
   /// load's flow weakens another, as stretching does when a bond softens, have a tangent without symmetry.
   bool is_unsymmetric() const { return flows() || has_moment_part(); }
@@ -230,7 +232,8 @@ class StaticBody {
     Quatd turn;   // since it took hold
   };
   struct Stiffness : StiffnessSum {
-    DenseMatrix skew;  // of the cell's rows over all unknowns: the antisymmetric part of the tangent
+    DenseMatrix skew;     // of the cell's rows over all unknowns: the antisymmetric part of the tangent
+    double friction = 0;  // the largest entry of the antisymmetric part of cracked bonds that slip
     bool current = false;
   };
   const Loaded& loads_at_hand() const;
@@ -248,6 +251,7 @@ class StaticBody {
   PerParticle<double> rounding_at_particles() const;
   void placed();
   void flow();
+  void leave_faces(BondId k);
   void add_load_rates() const;
   const BondHistory& history_before(BondId k) const;
   Vec3d outside_moment(ParticleId p, const Loads& applied) const;

@@ -1,0 +1,274 @@
+#pragma once
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <string_view>
+
+#include "vbond/physics/law.hpp"
+#include "vbond/physics/with_rules.hpp"
+
+namespace vbond {
+
+inline constexpr std::string_view name_with_rubbing = "-with-rubbing";
+
+/// Where a bond with faces that rub keeps what it remembers: the numbers of the history of a law WithRubbing.
+namespace rubbed {
+inline constexpr std::size_t cracked = 0;  // 1 once it is, else 0
+inline constexpr std::size_t slip = 1;  // of face j over face i, along both directions of the faces  [length]
+inline constexpr std::size_t shear = 3;  // shear force at the end of the last step, along the same  [force]
+inline constexpr std::size_t dissipated = 5;  // by friction  [energy]
+inline constexpr std::size_t count = 6;
+}  // namespace rubbed
+
+/// A law with rules whose bonds do not vanish when they break: they crack. Then two plane faces, each rigid
+/// with its particle, are pressed against each other and rub, or stand open. Intact it is the law with
+/// rules; how the faces push and rub does not depend on it. See docs/theory.md, "Cracked bonds that rub".
+template <template <class> class ElasticLaw>
+struct WithRubbing {
+  template <Scalar T>
+  struct Law : WithRules<ElasticLaw>::template Law<T> {
+    using Inner = typename WithRules<ElasticLaw>::template Law<T>;
+    static constexpr std::string_view name = joined_name<ElasticLaw<T>::name, name_with_rubbing>;
+    static constexpr auto fields() {
+      constexpr auto inner = Inner::fields();
+      std::array<LawField<Law>, inner.size()> all{};
+      for (std::size_t k = 0; k < all.size(); ++k) all[k] = {inner[k].at, inner[k].info};
+      return all;
+    }
+    static constexpr Law from(const BondStiffness<T>& c, const T& a, const T& R_i, const T& R_j) {
+      Law law{};
+      static_cast<Inner&>(law) = Inner::from(c, a, R_i, R_j);
+      return law;
+    }
+    static constexpr std::array<std::string_view, rubbed::count> history{"cracked", "slip_2",  "slip_3",
+                                                                         "shear_2", "shear_3", "dissipated"};
+    static constexpr std::size_t dissipated_at = rubbed::dissipated;
+
+    VBOND_HD constexpr const Inner& intact() const { return *this; }
+  };
+};
+
+/// Laws between centres whose bonds crack, and then rub.
+template <class Law>
+concept RubbingLaw = HasRules<Law> && Remembering<Law> && !OffsetLaw<Law> && requires(const Law& law) {
+  law.intact();
+};
+
+/// The two faces of a cracked bond as they stand: n is the mean of their normals, of length 1, e_2 and e_3
+/// the means of the axes n_2 and n_3 of both ends.
+template <Scalar T>
+struct Faces {
+  Vec3<T> D;  ///< between the bonded points  [length]
+  Vec3<T> n, e_2, e_3;
+  T sum;  ///< length of n_i1 - n_j1
+  T gap;  ///< D.n - a: how far they stand open; < 0: how deep they are pressed  [length]
+
+  VBOND_HD Vec3<T> along_faces(const Vec3<T>& v) const { return v - dot(v, n) * n; }
+  /// Of a vector in the plane of the faces, its parts along e_2 and e_3.
+  VBOND_HD void parts_of(const Vec3<T>& v, T& of_2, T& of_3) const {
+    const Vec3<T> t_2 = along_faces(e_2), t_3 = along_faces(e_3);
+    const T g_22 = norm2(t_2), g_23 = dot(t_2, t_3), g_33 = norm2(t_3), v_2 = dot(v, t_2), v_3 = dot(v, t_3),
+            per_det = T(1.0) / (g_22 * g_33 - g_23 * g_23);
+    of_2 = per_det * (g_33 * v_2 - g_23 * v_3);
+    of_3 = per_det * (g_22 * v_3 - g_23 * v_2);
+  }
+};
+
+template <Scalar T>
+VBOND_HD Faces<T> faces_of(const BondPose<T>& b, const Vec3<T>& D, const T& a) {
+  const Vec3<T> n = b.n_i[0] - b.n_j[0];
+  Faces<T> f;
+  f.D = D;
+  f.sum = norm(n);
+  f.n = n / f.sum;
+  f.e_2 = T(0.5) * (b.n_i[1] + b.n_j[1]);
+  f.e_3 = T(0.5) * (b.n_i[2] + b.n_j[2]);
+  f.gap = dot(D, f.n) - a;
+  return f;
+}
+
+/// What cracked faces carry, given their slip.
+template <RubbingLaw Law, Scalar T>
+struct FaceForces {
+  BondStiffness<T> c;
+  Vec3<T> past_slip;  ///< D less the slip
+  Vec3<T> shift;      ///< elastic, along the faces  [length]
+  T pressed;          ///< the gap where it is < 0, else 0
+
+  VBOND_HD FaceForces(const Law& m, const Faces<T>& f, const LawHistory<Law>& h)
+      : c(stiffness(m)),
+        past_slip(f.D - h.value[rubbed::slip] * f.e_2 - h.value[rubbed::slip + 1] * f.e_3),
+        shift(f.along_faces(past_slip)),
+        pressed(where_greater(T(0.0), f.gap, f.gap, T(0.0))) {}
+  VBOND_HD T N() const { return c.c_A * pressed; }      ///< <= 0
+  VBOND_HD Vec3<T> Q() const { return c.c_D * shift; }  ///< shear force on i
+};
+
+template <RubbingLaw Law, Scalar T>
+VBOND_HD BondEnergy<T> face_energy(const Law& m, const BondPose<T>& b, const Vec3<T>& D,
+                                   const LawHistory<Law>& h) {
+  const FaceForces<Law, T> at(m, faces_of(b, D, m.a), h);
+  return {T(0.5) * at.c.c_A * sq(at.pressed), T(0.5) * at.c.c_D * norm2(at.shift), T(0.0)};
+}
+
+/// The gradient of face_energy at fixed slip: of N along the mean normal and Q along the faces, with what
+/// turns the normal and the directions that slip is counted along.
+template <RubbingLaw Law, Scalar T>
+VBOND_HD BondLoads<T> face_loads(const Law& m, const BondPose<T>& b, const Vec3<T>& D,
+                                 const LawHistory<Law>& h) {
+  const Faces<T> f = faces_of(b, D, m.a);
+  const FaceForces<Law, T> at(m, f, h);
+  const T N = at.N();
+  const Vec3<T> Q = at.Q(), F = N * f.n + Q;
+  // dU = F.dD + g.dn - Q.d(slip); n = (n_i1 - n_j1)/sum, so that only what is normal to n counts
+  const Vec3<T> g = (T(1.0) / f.sum) * f.along_faces(N * f.D - dot(at.past_slip, f.n) * Q);
+  const T s_2 = T(0.5) * h.value[rubbed::slip], s_3 = T(0.5) * h.value[rubbed::slip + 1];
+  const auto of_slip = [&](const Vec3<T>(&n)[3]) { return cross(s_2 * n[1] + s_3 * n[2], Q); };
+  return {F, cross(b.n_i[0], m.R_i * F - g) + of_slip(b.n_i),
+          of_slip(b.n_j) - cross(b.n_j[0], m.R_j * F - g)};
+}
+
+/// Numbers of cracked bonds where they are, else of intact ones.
+template <RubbingLaw Law, Scalar T>
+VBOND_HD T where_cracked(const LawHistory<Law>& h, const T& cracked, const T& intact) {
+  return where_greater(h.value[rubbed::cracked], T(0.5), cracked, intact);
+}
+template <RubbingLaw Law, Scalar T>
+VBOND_HD Vec3<T> where_cracked(const LawHistory<Law>& h, const Vec3<T>& cracked, const Vec3<T>& intact) {
+  return {where_cracked<Law>(h, cracked.x, intact.x), where_cracked<Law>(h, cracked.y, intact.y),
+          where_cracked<Law>(h, cracked.z, intact.z)};
+}
+template <RubbingLaw Law>
+VBOND_HD bool any_cracked(const LawHistory<Law>& h) {
+  return any_greater(h.value[rubbed::cracked], typename Law::Number(0.5));
+}
+
+template <RubbingLaw Law, Scalar T>
+VBOND_HD BondEnergy<T> bond_energy(const Law& m, const BondPose<T>& b, const LawHistory<Law>& h) {
+  const BondEnergy<T> whole = bond_energy(m.intact(), b);
+  if (!any_cracked<Law>(h)) return whole;
+  const BondEnergy<T> U = face_energy(m, b, bonded_points(b, m.R_i, m.R_j), h);
+  return {where_cracked<Law>(h, U.U_L, whole.U_L), where_cracked<Law>(h, U.U_B, whole.U_B),
+          where_cracked<Law>(h, U.U_T, whole.U_T)};
+}
+template <RubbingLaw Law, Scalar T>
+VBOND_HD BondLoads<T> bond_loads(const Law& m, const BondPose<T>& b, const BondAxis<T>& axis,
+                                 const LawHistory<Law>& h) {
+  const BondLoads<T> whole = bond_loads(m.intact(), b, axis);
+  if (!any_cracked<Law>(h)) return whole;
+  const BondLoads<T> l = face_loads(m, b, axis.D * axis.d, h);
+  return {where_cracked<Law>(h, l.F, whole.F), where_cracked<Law>(h, l.M_ij, whole.M_ij),
+          where_cracked<Law>(h, l.M_ji, whole.M_ji)};
+}
+
+/// By the length alone, which is all that there is to tell of faces that have neither slipped nor turned.
+template <RubbingLaw Law, Scalar T>
+VBOND_HD T tension(const Law& m, const T& D, const LawHistory<Law>& h) {
+  const T N = tension(m.intact(), D), zero(0.0);
+  return where_cracked<Law>(h, where_greater(zero, N, N, zero), N);
+}
+template <RubbingLaw Law, Scalar T>
+VBOND_HD T stretch_energy(const Law& m, const T& D, const LawHistory<Law>& h) {
+  const T U = stretch_energy(m.intact(), D);
+  return where_cracked<Law>(h, where_greater(m.a, D, U, T(0.0)), U);
+}
+
+// the same for a bond that remembers nothing yet
+template <RubbingLaw Law, Scalar T>
+VBOND_HD T stretch_energy(const Law& m, const T& D) {
+  return stretch_energy(m.intact(), D);
+}
+template <RubbingLaw Law, Scalar T>
+VBOND_HD T tension(const Law& m, const T& D) {
+  return tension(m.intact(), D);
+}
+template <RubbingLaw Law, Scalar T>
+VBOND_HD BondEnergy<T> bond_energy(const Law& m, const BondPose<T>& b) {
+  return bond_energy(m.intact(), b);
+}
+template <RubbingLaw Law, Scalar T>
+VBOND_HD BondLoads<T> bond_loads(const Law& m, const BondPose<T>& b, const BondAxis<T>& axis) {
+  return bond_loads(m.intact(), b, axis);
+}
+
+/// Faces slip until the shear force is mu times the pressure; open ones carry none. A step dissipates the
+/// mean of the shear forces at its ends times the slip, which is the work that a leap-frog step counts.
+template <RubbingLaw Law, Scalar T>
+VBOND_HD LawHistory<Law> advance(const Law& m, const BondPose<T>& b, const BondAxis<T>& axis,
+                                 const BondRates<T>& /*rates*/, const T& /*dt*/,
+                                 const LawHistory<Law>& before) {
+  using std::sqrt;
+  if (!any_cracked<Law>(before)) return before;
+  LawHistory<Law> h = before;
+  const T zero(0.0), one(1.0);
+  const Faces<T> f = faces_of(b, axis.D * axis.d, m.a);
+  const FaceForces<Law, T> at(m, f, before);
+  const T limit = T(-m.rules->rubbing.friction) * at.N(), limit2 = sq(limit), Q2 = norm2(at.Q());
+  const T held = where_greater(Q2, limit2, limit / sqrt(where_greater(Q2, limit2, Q2, one)), one);
+  const T kept = where_greater(zero, f.gap, held, zero);  // of the shift, which is elastic
+  const Vec3<T> slid = (one - kept) * at.shift, Q = kept * at.Q();
+  const Vec3<T> Q_before = h.value[rubbed::shear] * f.e_2 + h.value[rubbed::shear + 1] * f.e_3;
+  T slip[2], shear[2];
+  f.parts_of(slid, slip[0], slip[1]);
+  f.parts_of(Q, shear[0], shear[1]);
+  for (std::size_t k = 0; k < 2; ++k) {
+    h.value[rubbed::slip + k] =
+        where_cracked<Law>(before, before.value[rubbed::slip + k] + slip[k], before.value[rubbed::slip + k]);
+    h.value[rubbed::shear + k] = where_cracked<Law>(before, shear[k], before.value[rubbed::shear + k]);
+  }
+  const T lost = before.value[rubbed::dissipated] + T(0.5) * dot(Q_before + Q, slid);
+  h.value[rubbed::dissipated] = where_cracked<Law>(before, lost, before.value[rubbed::dissipated]);
+  return h;
+}
+
+/// What it remembers once it has cracked as it stands: of its shear force as much is left as faces so
+/// pressed can carry. What that takes from its energy is released, and not dissipated by friction.
+template <RubbingLaw Law, Scalar T>
+VBOND_HD LawHistory<Law> crack(const Law& m, const BondPose<T>& b, const BondAxis<T>& axis,
+                               const LawHistory<Law>& before) {
+  LawHistory<Law> h = before;
+  h.value[rubbed::cracked] = T(1.0);
+  h = advance(m, b, axis, BondRates<T>{}, T(0.0), h);
+  h.value[rubbed::dissipated] = before.value[rubbed::dissipated];
+  return h;
+}
+
+/// Of intact bonds. What is cracked does not break again.
+template <RubbingLaw Law, Scalar T>
+VBOND_HD Failure<T> bond_failure(const Law& m, const BondPose<T>& b, const BondAxis<T>& axis,
+                                 const BondLoads<T>& loads, const LawHistory<Law>& h) {
+  Failure<T> f = bond_failure(m.intact(), b, axis, loads);
+  const T zero(0.0);
+  for (T* share : {&f.tension, &f.shear, &f.bending, &f.torsion, &f.compression, &f.utilisation})
+    *share = where_cracked<Law>(h, zero, *share);
+  return f;
+}
+/// Of a cracked bond, how far its bonded points have moved from where they were at rest, as a part of the
+/// reach of its faces: at 1 these have left each other.
+template <RubbingLaw Law, Scalar T>
+VBOND_HD T parting(const Law& m, const BondPose<T>& b, const BondAxis<T>& axis) {
+  const Faces<T> f = faces_of(b, axis.D * axis.d, m.a);
+  const T reach2 = T(sq(m.rules->rubbing.reach)) * own_radius2(stiffness(m));
+  return norm2(f.D - m.a * f.n) / where_greater(reach2, T(0.0), reach2, T(1.0));
+}
+/// At 1 an intact bond cracks, and the faces of a cracked one part.
+template <RubbingLaw Law, Scalar T>
+VBOND_HD T utilisation(const Law& m, const BondPose<T>& b, const BondAxis<T>& axis, const BondLoads<T>& loads,
+                       const LawHistory<Law>& h) {
+  const T of_intact = bond_failure(m, b, axis, loads, h).utilisation;
+  if (!any_cracked<Law>(h)) return of_intact;
+  return where_cracked<Law>(h, parting(m, b, axis), of_intact);
+}
+
+/// The pose by which the range of a bond is judged: of a cracked one without the shift of its faces.
+template <RubbingLaw Law, Scalar T>
+VBOND_HD BondPose<T> elastic_pose(const Law& m, const BondPose<T>& b, const LawHistory<Law>& h) {
+  BondPose<T> p = b;
+  p.r_ij = bonded_points(b, m.R_i, m.R_j);
+  if (!any_cracked<Law>(h)) return p;
+  const Faces<T> f = faces_of(b, p.r_ij, m.a);
+  p.r_ij = where_cracked<Law>(h, m.a * f.n, p.r_ij);
+  return p;
+}
+
+}  // namespace vbond

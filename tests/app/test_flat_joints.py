@@ -1,0 +1,71 @@
+"""Flat joints: what their keys refuse, the figures of the example, and the same files for any instruction set and number
+of threads, and stopped and resumed while cells crack and rub."""
+import math
+import signal
+from shutil import rmtree
+
+import pytest
+from program import (EXAMPLES, HERE, STATICS, column, expect_same, instruction_sets, lines, number, refused, stop_at,
+                     vbond, write)
+
+CASE = HERE / "flat_joints.toml"
+SHEAR = EXAMPLES / "joint_shear.toml"
+
+
+@pytest.fixture(scope="module")
+def whole(work):
+    vbond("run", CASE, *"-o whole --threads 1".split(), env={"VBOND_SIMD": "baseline"})
+    assert column("whole", "broken")[-1] >= 500
+    assert column("whole", "dissipated.friction")[-1] > 0
+    assert abs(column("whole", "balance_error")[-1]) < 1e-2
+    return "whole"
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3])
+@pytest.mark.parametrize("simd", instruction_sets())
+def test_same_with(whole, simd, threads):
+    vbond("run", CASE, "-o", "other", "--threads", threads, env={"VBOND_SIMD": simd})
+    assert number("other", "threads_used") == threads
+    expect_same(whole, "other")
+    rmtree("other")
+
+
+def test_stopped_while_cells_crack(whole):
+    breaks = lines("whole/breaks.csv")
+    stop_at(breaks // 2, "stopped", "run", CASE, *"-o stopped --threads 3".split(), by=signal.SIGKILL, table="breaks.csv",
+            env={"VBOND_SIMD": instruction_sets()[-1]})
+    assert lines("stopped/breaks.csv") < breaks, "nothing was left to crack"
+    vbond("resume stopped --threads 2", env={"VBOND_SIMD": "baseline"})
+    expect_same(whole, "stopped")
+
+
+@pytest.mark.skipif(not STATICS, reason="a build without statics")
+def test_the_example_has_the_figures_of_coulomb(work):
+    """Peak (c + sigma tan phi) A, then mu P; laws differ by the strain, 1e-3."""
+    vbond("run", SHEAR, *"-o shear".split())
+    area, pressure = math.pi * 0.8e-3 ** 2, 100.0
+    peak = 60e6 * area + pressure * math.tan(math.radians(30))
+    force = [abs(x) for x in column("shear", "reaction.last.fy")]
+    assert max(force) == pytest.approx(peak, rel=5e-3)
+    assert force[-1] == pytest.approx(0.4 * pressure, rel=1e-7)
+    assert lines("shear/breaks.csv") == 1 + 12
+    assert number("shear", "broken") == 12
+
+
+@pytest.mark.parametrize("change, err", [
+    ("bonds[0].flat_joint.around=2", "use 1, or 3 and more"),
+    ("bonds[0].flat_joint.friction=-1", "must satisfy 0 <= friction"),
+    ("bonds[0].strength.moment_share=0.5", "without moment_share"),
+    ("bonds[0].damping={time='1 us'}", "bonds whose cells rub when they are broken do not damp"),
+    ("bonds[0].prestrain=0.001", "do not expand, are made at rest"),
+    ("bonds[0].section={shape='square',side='1 mm'}", "a flat joint is a circle of springs per area"),
+    ("bonds[0].stiffness_factors={c_A=2}", "c_B follows from c_A"),
+    ("bonds[0].yield={axial_force='1 N'}", "are elastic until they break"),
+])
+def test_refused(work, change, err):
+    refused(SHEAR, err, sets=change)
+
+
+def test_place_of_a_mistake(work):
+    write("two.toml", SHEAR.read_text(), ("around = 6, friction = 0.4", "around = 2, friction = -1"))
+    refused("two.toml", "two.toml:21:27: bonds[0].flat_joint.around = 2", "two.toml:21:39: bonds[0].flat_joint.friction = -1")
