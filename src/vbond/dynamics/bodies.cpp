@@ -37,7 +37,7 @@ void Bodies::read(const State& s) {
 
 void Bodies::write(State& s) const {
   for (Row k{0}; k.value < order.known; ++k.value) {
-    if (!order.image(k).is_itself()) continue;
+    if (order.is_empty(k) || !order.image(k).is_itself()) continue;
     const ParticleId p = order.particle[k];
     s.r[p] = pose[k.value].r;
     s.q[p] = pose[k.value].q;

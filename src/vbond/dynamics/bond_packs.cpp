@@ -133,21 +133,25 @@ void BondPacks::arrange(const State& state, const Order& order, const Team& team
 
   at_border_.assign(team.blocks(), 0);
   for (std::size_t k = 0; k < team.blocks(); ++k) reach_.push_back(k + 1);
+  struct Crossing {
+    Sorted bond;
+    std::size_t upper;
+  };
+  std::vector<Crossing> crossing;  // from part to part
   for (const Sorted& s : sorted) {
     const std::size_t upper = upper_row(bonds[s.bond], order), block = upper / block_rows;
     if (upper < order.own && !order.is_sent(block))
       reach_[s.block()] = std::max(reach_[s.block()], block + 1);
     if (team.part_of_row(s.row).has(upper)) continue;
+    crossing.push_back({s, upper});
     at_border_[s.block()] = 1;
     if (block < team.blocks()) at_border_[block] = 1;
   }
 
   for (const Part& part : team.parts()) {
     std::vector<Sorted> below, above;
-    for (const Sorted& s : sorted) {
-      if (part.rows.contains(s.row) || !part.has(upper_row(bonds[s.bond], order))) continue;
-      (s.block() < part.first_block ? below : above).push_back(s);
-    }
+    for (const Crossing& c : crossing)
+      if (part.has(c.upper)) (c.bond.block() < part.first_block ? below : above).push_back(c.bond);
     const auto add = [&](const std::vector<Sorted>& others, std::vector<Run>& runs) {
       for_stretches(
           others, [](const Sorted& a, const Sorted& b) { return a.kind == b.kind; },

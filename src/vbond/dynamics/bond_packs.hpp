@@ -29,7 +29,7 @@ class BondPacks {
   /// concern of the part of their first particle.
   void arrange(const State& state, const Order& order, const Team& team);
 
-  /// Adds what the bonds of lower parts do to the particles of this part: first of all in a part.
+  /// Adds what the bonds of lower parts do to the particles of this part, and to its images: first of all.
   void add_loads_from_below(const Part& part, BondSweep& sweep) { add_loads(from_below_[part.index], sweep); }
   /// Adds what the bonds of higher parts do to the images of this part: last of all in it.
   void add_loads_from_above(const Part& part, BondSweep& sweep) { add_loads(from_above_[part.index], sweep); }
@@ -54,7 +54,8 @@ class BondPacks {
   /// What each bond remembers now; those that are broken are left as they are.
   void collect(PerBond<BondHistory>& history) const;
 
-  /// The bonds of this block join only rows of blocks before the one returned.
+  /// The bonds of this block join only rows of blocks before the one returned, besides sent particles and
+  /// ghosts.
   std::size_t reach(std::size_t block) const { return reach_[block]; }
   /// Whether a bond joins this block to another part.
   bool at_border(std::size_t block) const { return at_border_[block] != 0; }

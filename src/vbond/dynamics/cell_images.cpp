@@ -23,8 +23,8 @@ std::vector<ParticleId> not_absent(const Model& model, const State& state) {
 
 }  // namespace
 
-CellImages::CellImages(const Order& order) : own_(order.own) {
-  for (Row k{order.own}; k.value < order.known; ++k.value) {
+CellImages::CellImages(const Order& order) : begin_(order.ghosts) {
+  for (Row k{order.ghosts}; k.value < order.known; ++k.value) {
     ghosts_.push_back({order.row[order.particle[k]].value, order.image(k)});
     while (first_.size() <= ghosts_.back().of / block_rows) first_.push_back(ghosts_.size() - 1);
   }
@@ -37,9 +37,9 @@ void CellImages::halo(const HaloColumns& columns) {
 void CellImages::halo_of_block(std::size_t block, const HaloColumns& to) const {
   for (std::size_t g = first_of(block); g < first_of(block + 1); ++g) {
     const auto& [of, image] = ghosts_[g];
-    to.pose[own_ + g] = to.pose[of];
-    if (!to.motion.empty()) to.motion[own_ + g] = to.motion[of];
-    to.carry(own_ + g, image);
+    to.pose[begin_ + g] = to.pose[of];
+    if (!to.motion.empty()) to.motion[begin_ + g] = to.motion[of];
+    to.carry(begin_ + g, image);
   }
 }
 
@@ -49,7 +49,7 @@ void CellImages::reverse_sum(std::span<LoadRow> load) {
 
 void CellImages::reverse_sum_of_block(std::size_t block, std::span<LoadRow> load) const {
   for (std::size_t g = first_of(block); g < first_of(block + 1); ++g) {
-    LoadRow& from = load[own_ + g];
+    LoadRow& from = load[begin_ + g];
     LoadRow& to = load[ghosts_[g].of];
     to.F += from.F;
     to.M += from.M;
@@ -61,7 +61,7 @@ std::array<Vec3d, 3> CellImages::edges_times_force(std::span<const LoadRow> load
   std::array<Vec3d, 3> sum{};
   for (std::size_t g = 0; g < ghosts_.size(); ++g) {
     const Image& n = ghosts_[g].image;
-    const Vec3d& F = load[own_ + g].F;
+    const Vec3d& F = load[begin_ + g].F;
     sum[0] += double(n.a) * F, sum[1] += double(n.b) * F, sum[2] += double(n.c) * F;
   }
   return sum;
@@ -101,7 +101,8 @@ Share whole_body(const Model& model, const Stage& stage, const State& state) {
   }
   std::sort(images.begin(), images.end());
   images.erase(std::unique(images.begin(), images.end()), images.end());
-  if (meet) all.sent = all.own;
+  all.apart = !meet && !images.empty();  // parts then have images of their own
+  if (meet && !images.empty()) all.sent = all.own;
   for (const ImageOf& of : images)
     if (!meet && (all.sent.empty() || all.sent.back() != of.particle)) all.sent.push_back(of.particle);
   share.order = part_of(order, all);

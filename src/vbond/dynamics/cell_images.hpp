@@ -21,7 +21,7 @@ class CellImages final : public Exchange {
   void reverse_sum(std::span<LoadRow> load) override;
   /// Rows of the images of the particles of blocks [first, last).
   RowRange rows_of(std::size_t first_block, std::size_t last_block) const {
-    return {own_ + first_of(first_block), own_ + first_of(last_block)};
+    return {begin_ + first_of(first_block), begin_ + first_of(last_block)};
   }
   /// The same as halo() and reverse_sum(), of the images of the particles of one block.
   void halo_of_block(std::size_t block, const HaloColumns& columns) const;
@@ -46,8 +46,8 @@ class CellImages final : public Exchange {
   std::size_t first_of(std::size_t block) const {
     return block < first_.size() ? first_[block] : ghosts_.size();
   }
-  std::size_t own_;
-  std::vector<Ghost> ghosts_;       // from row own_ on, in the order of their particles' rows
+  std::size_t begin_;
+  std::vector<Ghost> ghosts_;       // from this row on, in the order of their particles' rows
   std::vector<std::size_t> first_;  // of each block of particles
 };
 

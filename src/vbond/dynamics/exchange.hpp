@@ -32,7 +32,7 @@ class Exchange {
 
   /// Halo exchange: ghosts get what their particles have on the ranks that move them.
   virtual void halo(const HaloColumns& columns) = 0;
-  /// Reverse sum: particles get, in addition, the loads on their ghosts.
+  /// Reverse sum: particles get, in addition, the loads on their ghosts, which have none afterwards.
   virtual void reverse_sum(std::span<LoadRow> load) = 0;
 
   /// Numbers become the sum, or the largest, of those of all processes.

@@ -11,8 +11,7 @@
 namespace vbond {
 namespace {
 
-/// Rows of a slab: a few layers, of which what is sent fills blocks of its own. It depends on nothing but the
-/// order, so that results do not depend on the number of threads.
+/// Not a matter of the number of threads, as results must not depend on it.
 constexpr std::size_t slab_rows = 8 * block_rows;
 
 /// The layer of each particle along the body's longest, middle and shortest direction.
@@ -69,7 +68,7 @@ Order spatial_order(const PerParticle<Vec3d>& r) {
     order.particle[Row{k}] = ParticleId{sorted[k]};
     order.row[ParticleId{sorted[k]}] = Row{k};
   }
-  order.own = order.known = r.size();
+  order.own = order.ghosts = order.known = r.size();
   return order;
 }
 
@@ -104,6 +103,9 @@ Order part_of(const Order& whole, const Holding& holding) {
   }
   add_slab();
   part.own = part.particle.size();
+  while (holding.apart && part.particle.size() % rows_at_once != 0)
+    part.particle.push_back(part.particle[Row{part.own - 1}]);
+  part.ghosts = part.particle.size();
   std::vector<std::pair<Row, ImageOf>> ghosts;
   bool any_image = false;
   for (const ImageOf& g : holding.ghosts) {

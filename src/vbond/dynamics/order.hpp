@@ -10,23 +10,25 @@
 namespace vbond {
 
 /// Which particle stands in which row, and back. All particles have a row. Of a body that is stepped in
-/// parts, each by a process of its own, the first rows are those of the part, those that are sent at the end
-/// of each slab; then come its own ghosts, particles of other parts and images of any that it may touch or is
-/// bonded to; what stands in the rows of all others is not known.
+/// parts, each by a process of its own, the first rows are those of the part. They are taken 1024 at a time;
+/// in each such slab those that are sent come last, so that few blocks have any. Then come its own ghosts,
+/// particles of other parts and images of any that it may touch or is bonded to. What stands in the rows of
+/// all others is not known.
 struct Order {
   PerRow<ParticleId> particle;
   PerParticle<Row> row;
   std::size_t own = 0;            ///< rows [0, own) are moved here
+  std::size_t ghosts = 0;         ///< rows [ghosts, known) are ghosts; those before them, if any, are empty
   std::size_t known = 0;          ///< rows [0, known) have the pose of now
   std::vector<char> sent_blocks;  ///< of each block of own rows, whether some are sent; empty: none
 
-  /// Of a periodic body: which image of its particle each row from `own` to `known` is; empty: those rows, if
-  /// any, are particles of other parts.
+  /// Of a periodic body: which image of its particle each ghost is; empty: ghosts, if any, are particles of
+  /// other parts.
   std::vector<Image> images;
   std::vector<Row> by_image;  ///< those rows, in order of particles and images
 
   /// Of a known row.
-  Image image(Row k) const { return k.value < own || images.empty() ? Image{} : images[k.value - own]; }
+  Image image(Row k) const { return k.value < ghosts || images.empty() ? Image{} : images[k.value - ghosts]; }
   ImageOf image_of(Row k) const { return {particle[k], image(k)}; }
   /// The row of this image of a particle, which some row must be.
   Row row_of(ParticleId p, const Image& n) const { return find(p, n).value(); }
@@ -36,6 +38,7 @@ struct Order {
   /// The same, of one that may be none.
   std::optional<Row> find(ParticleId p, const Image& n) const;
 
+  bool is_empty(Row k) const { return k.value >= own && k.value < ghosts; }
   bool is_sent(std::size_t block) const { return block < sent_blocks.size() && sent_blocks[block] != 0; }
   bool has(ParticleId p) const { return row[p].value < own; }
   bool knows(ParticleId p) const { return row[p].value < known; }
@@ -64,6 +67,7 @@ Order spatial_order(const PerParticle<Vec3d>& r);
 struct Holding {
   std::vector<ParticleId> own, sent;
   std::vector<ImageOf> ghosts;
+  bool apart = false;  ///< empty rows fill up the last rows_at_once before the ghosts
 };
 
 /// The order of a part of a body: otherwise as that of the whole.

@@ -91,7 +91,7 @@ void Simulation::step_blocks(bool timed) {
       if (k >= last_moved || is_sent(team_.block(k))) continue;
       complete_block(team_.block(k), Instant::end, lap_of_part);
     }
-    complete_images(part, Instant::end, lap_of_part);
+    finish_part(part, Instant::end, lap_of_part);
   });
 }
 
@@ -130,19 +130,19 @@ void Simulation::begin_step(const Block& b) {
   if (more && damping_.is_drag())
     lose(b.index, Loss::drag, slow_down(b, cell_.L_start()));  // v, omega over dt / 2
   books.work_supports += supports_.hold(b, Instant::start);
-  if (more && !bodies_.damping.empty()) keep_rates(b);
+  if (more && !bodies_.damping.empty()) keep_rates(b.rows);
   kick(b, dt / 2);  // v, omega : t -> t + dt/2
   books.work_supports += supports_.hold_after_kick(b, Instant::start, Instant::middle, dt / 2);
   if (more && inelastic()) {
     book_damping(b, dt / 2, cell_.L_start());
-    keep_rates(b);
+    keep_rates(b.rows);
   }
   const bool turn_freely = more && (bodies_.tops.any() || supports_.grips().any_turn());
   const double before_drift = turn_freely ? dt / 2 : 0.0;  // their omega changes in the drift
   if (before_drift > 0.0) books.work_loads += applied_.work_of_half(b, before_drift, Instant::start);
   books.way2 = drift(b, dt);  // r, q     : t -> t + dt
   if (more && supports_.grips().any()) supports_.grips().carry(b);
-  if (more && supports_.grips().any_turn() && inelastic()) keep_rates(b);
+  if (more && supports_.grips().any_turn() && inelastic()) keep_rates(b.rows);
   books.work_loads +=
       before_drift > 0.0 ? applied_.work_of_half(b, dt - before_drift, Instant::end) : applied_.work(b, dt);
   clear_loads(b);
@@ -188,7 +188,7 @@ double Simulation::drift(const Block& b, double h) {
   const double way2 = kernel_.drift(b.rows, h, bodies_.motion.data(), bodies_.pose.data());
   if (!bodies_.tops.any()) return way2;
   bodies_.tops.put_turned(b.rows, bodies_.turning());
-  if (inelastic()) keep_rates(b);  // omega at the new orientations
+  if (inelastic()) keep_rates(b.rows);  // omega at the new orientations
   return way2;
 }
 
@@ -280,7 +280,7 @@ void Simulation::evaluate_loads() {
       if (k < team_.blocks() && !is_sent(team_.block(k)))
         complete_block(team_.block(k), Instant::start, untimed);
     }
-    complete_images(part, Instant::start, untimed);
+    finish_part(part, Instant::start, untimed);
   });
   complete_sent_blocks(Instant::start);
   for (MotionTerm* t : terms_.all()) t->end_step(0.0);

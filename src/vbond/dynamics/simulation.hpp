@@ -230,7 +230,7 @@ class Simulation final : public BodyView, private MotionHost {
   void complete_block(const Block& block, Instant at, StepTimes::Lap& lap);
   void complete_loads(const Block& block, Instant at, StepTimes::Lap& lap);
   bool inelastic() const { return !bodies_.rates.empty(); }
-  void keep_rates(const Block& block);
+  void keep_rates(const RowRange& rows);
   void book_damping(const Block& block, double h, const Tensor& flow);
   void share_damping(Losses& lost) const;
   void lose(std::size_t block, Loss cause, double energy) {
@@ -287,8 +287,7 @@ class Simulation final : public BodyView, private MotionHost {
   void carry_images(const Block& block);
   void exchange_halo();
   bool is_sent(const Block& block) const;
-  void take_rates(const RowRange& rows);
-  void complete_images(const Part& part, Instant at, StepTimes::Lap& lap);
+  void finish_part(const Part& part, Instant at, StepTimes::Lap& lap);
   void complete_sent_block(const Block& block, Instant at, StepTimes::Lap& lap);
   void complete_sent_blocks(Instant at);
   /// Whether it is of interest how far particles go in a step: where something may touch, or be bonded to a
@@ -297,6 +296,8 @@ class Simulation final : public BodyView, private MotionHost {
     return !only_elastic_ && (anything_touches() || (is_known_for_a_while() && may_meet()));
   }
   const Tensor* flow() const { return cell_.any() ? &cell_.L_end() : nullptr; }
+  /// Ghosts are images that only bonds concern: each belongs to the part of its particle (Part::images).
+  bool parts_have_images() const { return has_ghosts() && !with_ghosts_; }
   /// A part may have none, and its particles may be those of others.
   bool has_ghosts() const { return is_part_ || bodies_.order.own < bodies_.order.known; }
   double slow_down(const Block& block, const Tensor& flow);
@@ -316,7 +317,7 @@ class Simulation final : public BodyView, private MotionHost {
   CellImages images_;
   Exchange& exchange_;  // with the other parts, or with the images
   Team team_;
-  std::optional<Team> with_ghosts_;  // where ghosts are more than ends of bonds: then the last part has them
+  std::optional<Team> with_ghosts_;  // of parts of ranks, and where contacts or bonding concern ghosts: in the last part
   BondPacks bonds_;
   BondIndex bond_index_;
   Contacts contacts_;

@@ -70,7 +70,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
       farthest_(share.farthest),
       lost_beyond_(share.lost_beyond),
       room_(share.farthest) {
-  if (is_part_ || contacts_.any() || !stage_.bonding.empty())
+  if (has_ghosts() && (is_part_ || contacts_.any() || !stage_.bonding.empty()))
     with_ghosts_.emplace(team_, bodies_.order.known);
   else
     team_.give_images([this](const Part& p) { return images_.rows_of(p.first_block, p.last_block); });

@@ -301,10 +301,10 @@ void Simulation::share_damping(Losses& lost) const {
 
 /// Keeps the velocities of this moment while the block moves on: those of the half step for bonds that read
 /// them.
-void Simulation::keep_rates(const Block& b) {
-  std::copy(bodies_.motion.begin() + static_cast<std::ptrdiff_t>(b.rows.first),
-            bodies_.motion.begin() + static_cast<std::ptrdiff_t>(b.rows.last),
-            bodies_.rates.begin() + static_cast<std::ptrdiff_t>(b.rows.first));
+void Simulation::keep_rates(const RowRange& rows) {
+  std::copy(bodies_.motion.begin() + static_cast<std::ptrdiff_t>(rows.first),
+            bodies_.motion.begin() + static_cast<std::ptrdiff_t>(rows.last),
+            bodies_.rates.begin() + static_cast<std::ptrdiff_t>(rows.first));
 }
 
 }  // namespace vbond

@@ -32,29 +32,23 @@ HaloColumns Simulation::halo_columns() {
 /// The images of a block that has moved get where their particles are, and where loads depend on it, how they
 /// move.
 void Simulation::carry_images(const Block& b) {
-  if (is_part_ || !is_sent(b)) return;
+  if (!parts_have_images() || !is_sent(b)) return;
   images_.halo_of_block(b.index, halo_columns());
-  if (inelastic()) take_rates(images_.rows_of(b.index, b.index + 1));
+  if (inelastic()) keep_rates(images_.rows_of(b.index, b.index + 1));
 }
 
-/// The ghosts of a part get it.
+/// All ghosts get it, where parts have no images of their own.
 void Simulation::exchange_halo() {
+  if (!with_ghosts_) return;
   for (std::size_t b = team_.blocks(); b < all_known().blocks(); ++b) books_[b] = {}, lost_[b] = {};
-  if (!is_part_) return;
   exchange_.halo(halo_columns());
-  if (inelastic()) take_rates({bodies_.order.own, bodies_.order.known});
+  if (inelastic()) keep_rates({bodies_.order.ghosts, bodies_.order.known});
 }
 
-/// Of ghosts.
-void Simulation::take_rates(const RowRange& rows) {
-  std::copy(&bodies_.motion[rows.first], &bodies_.motion[rows.first] + (rows.last - rows.first),
-            &bodies_.rates[rows.first]);
-}
-
-/// Whether particles of the block are ghosts of other parts; or it ends among ghosts, which must not move on
-/// with it once they have the poses of the step's end.
+/// Whether particles of the block are ghosts of other parts, or have images; or it ends among ghosts, which
+/// must not move on with it once they have the poses of the step's end.
 bool Simulation::is_sent(const Block& b) const {
-  return has_ghosts() && (bodies_.order.is_sent(b.index) || b.rows.last > bodies_.order.own);
+  return bodies_.order.is_sent(b.index) || (with_ghosts_ && b.rows.last > bodies_.order.own);
 }
 
 /// The sum over images of how many of each edge they are away times the force on them here, before it goes to
@@ -67,10 +61,10 @@ std::array<Vec3d, 3> Simulation::force_on_images() const {
   return sum;
 }
 
-/// At the end of a part that has images of its own: only bonds concern them, so that it can go on at once,
+/// The end of a part that has images of its own: it goes on with the blocks of their particles at once,
 /// unless the cell moves and asks for the loads on all images.
-void Simulation::complete_images(const Part& part, Instant at, StepTimes::Lap& lap) {
-  if (with_ghosts_ || !has_ghosts()) return;
+void Simulation::finish_part(const Part& part, Instant at, StepTimes::Lap& lap) {
+  if (!parts_have_images()) return;
   BondSweep sweep = bond_sweep(at);
   bonds_.add_loads_from_above(part, sweep);
   lap.add_to(times_.bonds);
@@ -83,25 +77,23 @@ void Simulation::complete_images(const Part& part, Instant at, StepTimes::Lap& l
 /// the block has all its loads.
 void Simulation::complete_sent_block(const Block& b, Instant at, StepTimes::Lap& lap) {
   if (!is_sent(b)) return;
-  if (!is_part_) images_.reverse_sum_of_block(b.index, bodies_.load);
-  if (!is_part_ && !bodies_.damping.empty()) images_.reverse_sum_of_block(b.index, bodies_.damping);
+  if (parts_have_images()) {
+    images_.reverse_sum_of_block(b.index, bodies_.load);
+    if (!bodies_.damping.empty()) images_.reverse_sum_of_block(b.index, bodies_.damping);
+  }
   complete_block(b, at, lap);
 }
 
 /// All of them, unless that is done.
 void Simulation::complete_sent_blocks(Instant at) {
-  if (cell_.any()) cell_.take_forces(force_on_images());
-  if (!has_ghosts() || !(with_ghosts_ || cell_.any())) return;
-  const auto gather = [this](std::vector<LoadRow>& load) {
-    if (!is_part_) return;
-    exchange_.reverse_sum(load);
-    std::fill(load.begin() + static_cast<std::ptrdiff_t>(bodies_.order.own),
-              load.begin() + static_cast<std::ptrdiff_t>(bodies_.order.known), LoadRow{});
-  };
-  gather(bodies_.load);
-  if (!bodies_.damping.empty()) {
-    if (cell_.any()) cell_.take_damping(images_.edges_times_force(bodies_.damping));
-    gather(bodies_.damping);
+  if (cell_.any()) {
+    cell_.take_forces(force_on_images());
+    if (!bodies_.damping.empty()) cell_.take_damping(images_.edges_times_force(bodies_.damping));
+  }
+  if (!has_ghosts() || (parts_have_images() && !cell_.any())) return;
+  if (with_ghosts_) {
+    exchange_.reverse_sum(bodies_.load);
+    if (!bodies_.damping.empty()) exchange_.reverse_sum(bodies_.damping);
   }
   team_.for_blocks([&](const Block& b) {
     StepTimes::Lap untimed(false);

@@ -13,8 +13,9 @@ struct Part {
   std::size_t index = 0;
   std::size_t first_block = 0, last_block = 0;  ///< [first, last)
   RowRange rows{};
-  RowRange
-      images{};  ///< of its particles, where nothing but bonds concerns them; else those rows are others'
+  /// Rows of the images of its particles, if this part adds all loads to them; else empty.
+  RowRange images{};
+  /// Whether this part adds the loads to this row.
   bool has(std::size_t row) const { return rows.contains(row) || images.contains(row); }
 };
 

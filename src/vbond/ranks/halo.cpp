@@ -147,7 +147,7 @@ void Halo::reverse_sum(std::span<LoadRow> load) {
     n.out.resize(n.ghost_rows.size() * load_numbers);
     n.in.resize(n.sent_rows.size() * load_numbers);
     double* to = n.out.data();
-    for (const std::size_t row : n.ghost_rows) put(load[row].F, to), put(load[row].M, to);
+    for (const std::size_t row : n.ghost_rows) put(load[row].F, to), put(load[row].M, to), load[row] = {};
   }
   send_and_receive();
   for (const Neighbour& n : neighbours_) {
