@@ -100,6 +100,7 @@ struct Sensitivities::Inside {
   bool first_point = true, after_path = false, any_stage = false;
   std::unique_ptr<TangentSolver> solver;    // at the present point
   std::optional<UnsymmetricFactor> fading;  // the same, where moments fade
+  Vector direction;                         // of a path, at a point where the tangent is regular
   Vector relief;                            // of the stage, see StaticBody: as loads
   std::vector<Vector> reliefs;              // how it changes
 
@@ -184,47 +185,61 @@ struct Sensitivities::Inside {
            !body.rests_to_rounding();
   }
 
-  /// full_tangent() with what the moments that fade make of turns: a body that was made anew has none.
-  /// Whether there are any.
-  bool add_turned_relief(const StaticBody& body, SparseMatrix& K) const {
+  /// Half the moment that fades on the turns of a particle, as a part of the tangent.  [force/length]
+  Vec3d fading_moment(const StaticBody& body, ParticleId p) const {
     const Unknowns& u = body.unknowns();
-    bool any = false;
+    Vec3d m;
+    for (int k = 0; k < 3 && u.carrier(p) == p; ++k)
+      if (const int n = u.of(p, 3 + k); n != Unknowns::held)
+        component(m, k) = -0.5 * (1.0 - body.load_factor()) * relief[n] / sq(u.length());
+    return m;
+  }
+  /// Whether moments fade here, beyond what rounding leaves of none.
+  bool moments_fade(const StaticBody& body) const {
+    constexpr double rounding = 1e-12;  // of the tangent
+    double largest = 0.0;
+    for (const ParticleId p : body.state().r.ids()) largest = std::max(largest, norm(fading_moment(body, p)));
+    return largest > 0.0 && largest > rounding * max_norm(body.tangent().diagonal());
+  }
+  /// full_tangent() with what these moments make of turns: a body that was made anew has none.
+  SparseMatrix tangent_with_fading(const StaticBody& body) const {
+    const Unknowns& u = body.unknowns();
+    SparseMatrix K = body.full_tangent();
     for (const ParticleId p : body.state().r.ids()) {
-      if (u.carrier(p) != p) continue;
-      Vec3d m;
-      for (int k = 0; k < 3; ++k)
-        if (const int n = u.of(p, 3 + k); n != Unknowns::held)
-          component(m, k) = -0.5 * (1.0 - body.load_factor()) * relief[n] / sq(u.length());
+      const Vec3d m = fading_moment(body, p);
       if (m == Vec3d{}) continue;
       const double S[3][3] = {{0, m.z, -m.y}, {-m.z, 0, m.x}, {m.y, -m.x, 0}};
       for (int a = 0; a < 3; ++a)
         for (int b = 0; b < 3; ++b) {
           const int row = u.of(p, 3 + a), column = u.of(p, 3 + b);
-          if (a == b || row == Unknowns::held || column == Unknowns::held) continue;
-          K.coeffRef(row, column) += S[a][b];
-          any = true;
+          if (a != b && row != Unknowns::held && column != Unknowns::held) K.coeffRef(row, column) += S[a][b];
         }
     }
-    return any;
+    return K;
   }
 
   /// Makes ready to solve here; false if the tangent is singular.
-  bool factor(const StaticBody& body) {
-    if (body.unknowns().size() == 0) return true;
+  bool factor(const StaticBody& body, PointKind kind) {
+    fading.reset(), direction.resize(0);
     solver = std::make_unique<TangentSolver>(stage->newton.solver);
-    fading.reset();
-    if (stage->kind == StageKind::path) return take_normal_to_path(body, *solver);
-    if (relief.size() > 0 && relief.norm() > 0.0 && body.load_factor() < 1.0) {
-      SparseMatrix K = body.full_tangent();
-      if (add_turned_relief(body, K)) {
-        fading.emplace();
-        return fading->factor(K);
-      }
+    if (body.unknowns().size() == 0) return true;
+    if (stage->kind == StageKind::path) {
+      const bool special = kind == PointKind::limit_point || kind == PointKind::bifurcation;
+      if (!special && solver->take_full(body)) direction = solver->solve_full(body, body.load_direction());
+      return direction.size() > 0 || take_normal_to_path(body, *solver);
     }
-    return solver->take_full(body);
+    if (!moments_fade(body)) return solver->take_full(body);
+    fading.emplace();
+    return fading->factor(tangent_with_fading(body));
   }
   /// u' and how the load factor goes with it; empty if it is not found.
   std::pair<Vector, double> solution(const StaticBody& body, const Vector& b) {
+    if (direction.size() > 0) {  // of the path, to which u' is normal
+      Vector x = solver->solve_full(body, b);
+      if (x.size() == 0 || !(direction.squaredNorm() > 0.0)) return {};
+      const double df = -direction.dot(x) / direction.squaredNorm();
+      return {x + df * direction, df};
+    }
     if (stage->kind == StageKind::path) {
       const Vector both = solver->solve_bordered(b, 0.0);
       return {both.head(b.size()), both[b.size()]};
@@ -304,7 +319,7 @@ std::optional<std::vector<std::vector<double>>> Sensitivities::at(const StaticPo
   if (in.first_point) in.begin_at(body);
   if (in.is_out_of_balance(body)) return refuse("its balance depends on more than where the particles are");
   try {
-    if (!in.factor(body)) return refuse("its tangent is singular");
+    if (!in.factor(body, point.kind)) return refuse("its tangent is singular");
     std::vector<std::vector<double>> changes;
     for (std::size_t j = 0; j < in.parameters.size(); ++j) {
       auto change = in.change(j, body, point, numbers);
