@@ -11,6 +11,7 @@
 #include "campaigns/judge.hpp"
 #include "slopes.hpp"
 #include "vbond/fit/curve.hpp"
+#include "vbond/statics/sensitivity.hpp"
 
 /// Slopes of history columns from the tangents of balances, against differences of whole runs.
 namespace vbond::slopes_test {
@@ -170,16 +171,16 @@ std::vector<std::size_t> marks_of(const fit::Rows& rows) {
   return marks;
 }
 
-/// The largest difference of slopes from central ones of fourth order of whole runs, as a part of the largest
+/// The largest difference of slopes from central ones of sixth order of whole runs, as a part of the largest
 /// slope of columns of their kind, or of what such a column is over the value where that is more than ten
 /// times larger.
 double off_of(const fit::Task& task, const std::vector<std::string>& columns, const fit::Rows& rows,
               std::size_t j) {
-  constexpr double part = 1e-3;  // h^4/30 of the fifth derivative, and what balances are off over h
+  constexpr double part = 1e-3;  // h^6/140 of the seventh derivative, and what balances are off over h
   const std::vector<double> at = starts_of(task);
   const double h = part * std::abs(at[j]);
   std::map<int, fit::Rows> beside;
-  for (const int k : {-2, -1, 1, 2}) {
+  for (const int k : {-3, -2, -1, 1, 2, 3}) {
     std::vector<double> values = at;
     values[j] += k * h;
     beside.emplace(k, run(task, values, columns, false));
@@ -192,8 +193,7 @@ double off_of(const fit::Task& task, const std::vector<std::string>& columns, co
     for (std::size_t n = 0; n < marks.size(); ++n) {
       const std::size_t r = marks[n];
       const auto y = [&](int k) { return beside.at(k).columns[c].at(marks_beside.at(k).at(n)); };
-      const double difference = (8 * (y(1) - y(-1)) - (y(2) - y(-2))) / (12 * h),
-                   slope = rows.slopes[j].columns[c][r];
+      const double difference = derivative_of_sixth_order(h, y), slope = rows.slopes[j].columns[c][r];
       double& s = size[kind_of(columns[c])];
       s = std::max({s, std::abs(difference), 0.1 * std::abs(rows.columns[c][r] / at[j])});
       double& a = apart[kind_of(columns[c])];
