@@ -27,6 +27,8 @@ struct FitOptions {
   std::optional<std::filesystem::path> output;  ///< default: CASE.fitted.toml in the current folder
   int iterations = 50;
   double difference = 1e-3;
+  std::string derivatives = "automatic";  ///< or "differences"
+  bool report = false;
   int threads = 1;
 };
 
@@ -42,6 +44,7 @@ struct FitFiles {
   std::filesystem::path result;  ///< NAME.json
   std::filesystem::path curves;  ///< NAME.csv
   std::filesystem::path runs;    ///< NAME.runs.csv: each run by its values
+  std::filesystem::path page;    ///< NAME.html, if it is asked for
 };
 /// Throws std::invalid_argument if one of them would replace what is no part of this fit, or if the case
 /// would not find its files from there.
@@ -57,8 +60,9 @@ std::vector<fit::Tried> read_runs(const std::filesystem::path& runs, const fit::
 std::string header_of_runs(const fit::Task& task);
 std::string line_of(const fit::Tried& run);
 
-/// NAME.json and NAME.csv.
+/// NAME.json and NAME.csv, and the JSON of NAME.html (web/FORMAT.md).
 std::string fit_as_json(const fit::Task& task, const fit::Result& result);
 std::string fit_as_csv(const fit::Task& task, const fit::Result& result);
+std::string fit_for_page(const fit::Task& task, const fit::Result& result);
 
 }  // namespace vbond::app

@@ -10,12 +10,14 @@
 #include "campaign.hpp"
 #include "commands.hpp"
 #include "fit.hpp"
+#include "report_command.hpp"
 #include "signals.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/core/printable.hpp"
 #include "vbond/dynamics/kernel.hpp"
 #include "vbond/fit/fit.hpp"
 #include "vbond/observe/files.hpp"
+#include "vbond/report/page.hpp"
 
 namespace vbond::app {
 namespace {
@@ -110,6 +112,24 @@ void say_value(const fit::Task& task, const fit::Result& r, std::size_t j) {
                   v.largest_tried));
 }
 
+/// By what derivatives the values were found.
+void say_derivatives(const fit::Task& task, const fit::Result& r) {
+  std::vector<std::string> exact;
+  double off = 0;
+  for (std::size_t j = 0; j < r.values.size(); ++j) {
+    const fit::Derivative& d = r.found.derivatives[j];
+    if (d.exact)
+      exact.push_back(task.varied[j].key), off = std::max(off, d.off);
+    else if (!d.why_not.empty())
+      say(printable(fmt::format("derivatives with {} by differences: {}{}\n", task.varied[j].key, d.why_not,
+                                std::isnan(d.off) ? "" : fmt::format(", {:.2g} off", d.off))));
+  }
+  if (!exact.empty())
+    say(printable(fmt::format(
+        "derivatives with {} by the tangents of balances, at the start {:.1g} off from differences\n",
+        fmt::join(exact, ", "), off)));
+}
+
 void say_quality(const fit::Task& task, const fit::Result& r) {
   const fit::Statistics& s = r.statistics;
   if (r.found.jacobian.empty()) return;
@@ -158,6 +178,7 @@ void say_result(const fit::Task& task, const fit::Result& r) {
   say("\n");
   for (std::size_t j = 0; j < r.values.size(); ++j) say_value(task, r, j);
   say_quality(task, r);
+  say_derivatives(task, r);
   if (!r.left_out.empty())
     say(fmt::format(
         "left out: {} points of {} beyond the run at the start, or where its rows have no number, {}\n",
@@ -175,10 +196,12 @@ int fit(const FitOptions& o) {
   instruction_set();  // refuses a wrong VBOND_SIMD before anything is written
   const fit::Task task = fit::make_task(o.case_file, o.data_file, o.vary, o.x, o.compare, o.sigma, o.stage);
   const FitFiles files = fit_files(o, task);
+  const std::string html = o.report ? page_template() : std::string();  // refuses before the first run
   fit::Options options;
   options.known = read_runs(files.runs, task);
   options.threads = o.threads;
   options.search.most_iterations = o.iterations, options.search.difference = o.difference;
+  options.search.exact = o.derivatives == "automatic";
   options.search.interrupted = [] { return caught_signal() != 0; };
   options.search.tell = [&task](const fit::Iteration& i) {
     if (i.number == 0) say_heading(task);
@@ -205,6 +228,10 @@ int fit(const FitOptions& o) {
   replace_file(files.curves, fit_as_csv(task, *result));
   say(fmt::format("fitted case in {}, curves and residuals in {}, all of the result in {}\n",
                   files.fitted.string(), files.curves.string(), files.result.string()));
+  if (o.report) {
+    replace_file(files.page, page::fit_page(html, fit_for_page(task, *result)), Sync::none);
+    say("report in " + files.page.string() + "\n");
+  }
   if (result->found.end == fit::SearchEnd::interrupted) {
     say("stopped by a signal: these are the best values so far; the same command goes on\n", stderr);
     return 128 + caught_signal();

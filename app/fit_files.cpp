@@ -15,6 +15,7 @@
 #include "vbond/fit/fit.hpp"
 #include "vbond/observe/csv.hpp"
 #include "vbond/observe/files.hpp"
+#include "vbond/observe/quantities.hpp"
 
 namespace vbond::app {
 namespace {
@@ -36,6 +37,8 @@ class Fingerprint {
   std::uint64_t hash_ = 0xcbf29ce484222325u;
 };
 
+constexpr const char *slope_begins = "slope", *no_slope = "no slope";  // in the line of a run
+
 const char* in_words(fit::SearchEnd end) {
   switch (end) {
     case fit::SearchEnd::converged: return "converged";
@@ -52,7 +55,7 @@ std::string shortest(double x) {
   return std::isfinite(x) ? fmt::format("{}", x) : "";
 }
 
-Json value_as_json(const fit::Varied& varied, const fit::FoundValue& v) {
+Json value_as_json(const fit::Varied& varied, const fit::FoundValue& v, const fit::Derivative& d) {
   Json j{{"key", varied.key}};
   if (!varied.start.unit.empty()) j["unit"] = varied.start.unit;
   j["scale"] = varied.searched.logarithmic ? "logarithmic" : "linear";
@@ -62,6 +65,9 @@ Json value_as_json(const fit::Varied& varied, const fit::FoundValue& v) {
   j["held_by_failed_runs"] = v.held;
   j["at_bound"] = v.at_low ? Json("lower") : v.at_high ? Json("upper") : Json();
   j["tried"] = {v.least_tried, v.largest_tried};
+  j["derivative"] = d.exact ? "tangent" : "differences";
+  if (!std::isnan(d.off)) j["off_from_differences"] = d.off;
+  if (!d.exact) j["why_differences"] = d.why_not;
   return j;
 }
 
@@ -92,15 +98,16 @@ FitFiles fit_files(const FitOptions& options, const fit::Task& task) {
   if (!fitted.parent_path().empty() && !fs::is_directory(fitted.parent_path()))
     throw std::invalid_argument("-o " + fitted.string() + ": there is no such folder\n  make it first");
   const fs::path stem = fitted.parent_path() / fitted.stem();
-  const FitFiles files{fitted, stem.string() + ".json", stem.string() + ".csv", stem.string() + ".runs.csv"};
+  const FitFiles files{fitted, stem.string() + ".json", stem.string() + ".csv", stem.string() + ".runs.csv",
+                       stem.string() + ".html"};
   for (const fs::path& read : {options.case_file, options.data_file})
-    for (const fs::path& written : {files.fitted, files.result, files.curves, files.runs})
+    for (const fs::path& written : {files.fitted, files.result, files.curves, files.runs, files.page})
       if (fs::exists(written) && fs::equivalent(read, written))
         throw std::invalid_argument(written.string() +
                                     " would be replaced\n  give another name with -o NAME.toml");
   if (!fs::exists(files.runs))
-    for (const fs::path& written : {files.fitted, files.result, files.curves})
-      if (fs::exists(written))
+    for (const fs::path& written : {files.fitted, files.result, files.curves, files.page})
+      if (fs::exists(written) && (written != files.page || options.report))
         throw std::invalid_argument(written.string() +
                                     " is there already, and not of this fit\n  give another name "
                                     "with -o NAME.toml, or remove it");
@@ -119,7 +126,8 @@ FitFiles fit_files(const FitOptions& options, const fit::Task& task) {
 std::string header_of_runs(const fit::Task& task) {
   std::vector<std::string> cells;
   for (const fit::Varied& v : task.varied) cells.push_back(csv_quoted(v.key));
-  cells.insert(cells.end(), {"ended", "reason", "curve at each point of the data"});
+  cells.insert(cells.end(),
+               {"ended", "reason", "curve at each point of the data, then slopes of each value"});
   return definition_of(task) + "\n" + csv_line(cells);
 }
 
@@ -129,6 +137,12 @@ std::string line_of(const fit::Tried& run) {
   cells.emplace_back(run.trial.failed() ? "failed" : "done");
   cells.push_back(csv_quoted(run.trial.failure));
   for (const double y : run.trial.curve) cells.push_back(shortest(y));
+  for (std::size_t j = 0; j < run.trial.slopes.size(); ++j) {
+    const std::vector<double>& slope = run.trial.slopes[j];
+    cells.emplace_back(slope.empty() ? no_slope : slope_begins);
+    if (slope.empty()) cells.push_back(csv_quoted(run.trial.no_slope[j]));
+    for (const double y : slope) cells.push_back(shortest(y));
+  }
   return csv_line(cells);
 }
 
@@ -152,21 +166,34 @@ std::vector<fit::Tried> read_runs(const fs::path& runs, const fit::Task& task) {
     };
     if (cells.size() < n + 2) refuse();
     fit::Tried tried;
+    std::vector<double>* to = &tried.values;
     for (std::size_t k = 0; k < cells.size(); ++k) {
+      if (k == n) to = &tried.trial.curve;
       if (k == n || k == n + 1) continue;
+      if (k > n && (cells[k] == slope_begins || cells[k] == no_slope)) {
+        to = &tried.trial.slopes.emplace_back();
+        tried.trial.no_slope.emplace_back();
+        if (cells[k] == no_slope && ++k < cells.size()) tried.trial.no_slope.back() = csv_plain(cells[k]);
+        continue;
+      }
       const auto x =
           cells[k].empty() ? std::numeric_limits<double>::quiet_NaN() : csv_number<double>(cells[k]);
       if (!x) refuse();
-      (k < n ? tried.values : tried.trial.curve).push_back(*x);
+      to->push_back(*x);
     }
     tried.trial.failure = csv_plain(cells[n + 1]);
     if (tried.trial.failed() != (cells[n] == "failed")) refuse();
+    for (const std::vector<double>& slope : tried.trial.slopes)
+      if (!slope.empty() && slope.size() != tried.trial.curve.size()) refuse();
+    if (!tried.trial.slopes.empty() && tried.trial.slopes.size() != n) refuse();
     known.push_back(std::move(tried));
   }
   return known;
 }
 
-std::string fit_as_json(const fit::Task& task, const fit::Result& r) {
+namespace {
+
+Json all_as_json(const fit::Task& task, const fit::Result& r) {
   Json j{{"format", 1}, {"program", "vbond " VBOND_VERSION}};
   j["case"] = task.case_text.file.string(), j["data"] = task.data_file.string();
   j["x"] = task.x.history;
@@ -176,7 +203,8 @@ std::string fit_as_json(const fit::Task& task, const fit::Result& r) {
   const fit::Statistics& s = r.statistics;
   const std::size_t n = r.values.size();
   j["values"] = Json::array();
-  for (std::size_t k = 0; k < n; ++k) j["values"].push_back(value_as_json(task.varied[k], r.values[k]));
+  for (std::size_t k = 0; k < n; ++k)
+    j["values"].push_back(value_as_json(task.varied[k], r.values[k], r.found.derivatives[k]));
   j["sigma_known"] = task.sigma_known();
   j["points"] = r.points.size(), j["degrees_of_freedom"] = s.dof, j["residual_deviation"] = r.deviation;
   j["correlation"] = Json::array();
@@ -202,7 +230,39 @@ std::string fit_as_json(const fit::Task& task, const fit::Result& r) {
                                {"accepted", i.accepted},
                                {"values", i.values}});
   j["failures"] = r.failures;
-  return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return j;
+}
+
+}  // namespace
+
+std::string fit_as_json(const fit::Task& task, const fit::Result& r) {
+  return all_as_json(task, r).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string fit_for_page(const fit::Task& task, const fit::Result& r) {
+  Json j = all_as_json(task, r);
+  const Case c = parse_case(task.case_text.text, task.case_text.file);
+  j["title"] = c.title, j["stages"] = Json::array();
+  for (const StageSpec& stage : c.stages) j["stages"].push_back(stage.name);
+  const auto unit_of = [&c](const std::string& column) {
+    const auto facts = facts_of_column(column);
+    return facts ? facts->unit.in(c.units) : "";
+  };
+  j["x_unit"] = unit_of(task.x.history), j["units"] = Json::array();
+  for (const fit::Measured& m : task.measured) j["units"].push_back(unit_of(m.y.history));
+  j["data"] = task.data_file.filename().string();
+  j["case"] = task.case_text.file.filename().string();
+  j["runs"] = {{"made", r.runs}, {"failed", r.failed}, {"known", r.known}};
+  j["points"] = Json::array();
+  for (std::size_t k = 0; k < r.points.size(); ++k) {
+    const fit::Point& p = r.points[k];
+    Json point{{"line", p.line},  {"curve", p.curve},    {"x", p.x},
+               {"measured", p.y}, {"start", r.start[k]}, {"fitted", r.fitted[k]}};
+    point["stage"] = p.stage ? Json(*p.stage) : Json();
+    point["sigma"] = task.sigma_known() ? Json(p.sigma) : Json();
+    j["points"].push_back(std::move(point));
+  }
+  return j.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 std::string fit_as_csv(const fit::Task& task, const fit::Result& r) {

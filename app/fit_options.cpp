@@ -47,6 +47,15 @@ CLI::App* add_fit(CLI::App& app, FitOptions& o) {
   command->add_option("--difference", o.difference, "Step of differences, relative")
       ->check(CLI::Range(1e-8, 0.5))
       ->capture_default_str();
+  command
+      ->add_option(
+          "--derivatives", o.derivatives,
+          "automatic: by the tangents of balances for values that are parameters of bonds; differences: for "
+          "all values, by runs beside")
+      ->check(CLI::IsMember({"automatic", "differences"}))
+      ->capture_default_str();
+  command->add_flag("--report", o.report,
+                    "Write NAME.html: curves, residuals and history of the fit, for any browser");
   return command;
 }
 

@@ -76,16 +76,18 @@ def sweep(case: Case, folder: str | os.PathLike, values: Mapping[str, Any], *, j
 
 def fit(case: Case, data: str | os.PathLike, output: str | os.PathLike, vary: Sequence[str], x: str,
         compare: Mapping[str, str], *, sigma: float | str | Sequence[float | str] | None = None, stage: str | None = None,
-        iterations: int = 50, difference: float = 1e-3, threads: int | None = None, quiet: bool = True) -> dict[str, Any]:
+        iterations: int = 50, difference: float = 1e-3, derivatives: str = "automatic", report: bool = False,
+        threads: int | None = None, quiet: bool = True) -> dict[str, Any]:
     """Varies values of the case until columns of its history follow the points of a CSV file, and returns what
     NAME.json has but for the name of the case (docs/fit.md), with None where there is no number. output: NAME.toml, the
     fitted case; vary: texts as behind --vary; x: a column of the history, or "COLUMN=HEADING"; compare: {column of the
-    history: heading of the data}; sigma: a number or a heading, one for each column. The same call goes on with a fit
-    that was stopped. One that did not converge says so as "end". ProgramError if there is no result."""
+    history: heading of the data}; sigma: a number or a heading, one for each column; derivatives: "automatic" or "differences"; report: NAME.html is
+    written too. The same call goes on with a fit that was stopped. One that did not converge says so as "end". ProgramError if there is no result."""
     if isinstance(vary, str) or not vary:
         raise ValueError("fit: vary is a list of keys, with at least one")
     sigmas = [] if sigma is None else [sigma] if isinstance(sigma, (int, float, str)) else list(sigma)
-    options = ["-o", os.fspath(output), "--x", x, "--iterations", str(iterations), "--difference", str(difference)]
+    options = ["-o", os.fspath(output), "--x", x, "--iterations", str(iterations), "--difference", str(difference),
+               "--derivatives", derivatives, *(["--report"] if report else [])]
     for option, texts in (("--vary", vary), ("--compare", [f"{column}={heading}" for column, heading in compare.items()]),
                           ("--sigma", map(str, sigmas)), ("--stage", [] if stage is None else [stage]),
                           ("--threads", [] if threads is None else [str(threads)])):

@@ -80,7 +80,9 @@ REFUSED = [
     (["--vary", "bonds[fibre].name"], {}, ["stem_bending.toml:16:1: bonds[fibre].name", "one number"]),
     (["--vary", "bonds[fibre].k_n=range(3e10, 4e10)"], {}, ["must lie within the bounds", "stem_bending.toml:20"]),
     (["--vary", "bonds[fibre].k_n=range(1 mm, )"], {}, ["of another dimension"]),
-    (["--vary", "specimen[0].particles"], {}, ["particles = 2"]),
+    (["--vary", "specimen[0].particles"], {}, ["stem_bending.toml:10:1: --vary specimen[0].particles", "whole number", "sweep"]),
+    (["--vary", "stage[bend].steps"], {}, ["whole number"]),
+    ([*VARY, "--derivatives", "exact"], {}, ["--derivatives"]),
     ([*VARY, "--compare", "displacement.last.x"], {}, ["several columns are compared", "give --sigma for each"]),
     ([*VARY, "--sigma", "1", "--compare", "displacement.last.z=load_factor", "--sigma", "1"], {}, ["is compared already"]),
     ([*VARY, "--sigma", "1", "--compare", "displacement.last.x=deflection [mm]", "--sigma", "1"], {}, ["is compared already"]),
@@ -89,6 +91,7 @@ REFUSED = [
     ([*VARY, "-o", "here.csv"], {}, ["name it NAME.toml"]),
     (VARY, {"data": "load_factor,deflection [mm]\n"}, ["data.csv:1:1: no row of data"]),
     (VARY, {"data": "load_factor,deflection [mm]\n0.5,9\n0.6,ten\n"}, ['data.csv:3:5: deflection [mm] = "ten"']),
+    (VARY, {"data": "note,load_factor,deflection [mm]\n9x,0.5,9x\n"}, ['data.csv:2:8: deflection [mm] = "9x"']),
     (VARY, {"data": "load_factor,deflection [m]\n0.5,9\n"}, ['data.csv:1:1: there is no column "deflection [mm]"', 'did you mean "deflection [m]"?']),
     (VARY, {"data": "load_factor,deflection [mm]\n1.5,9\n"}, ["0 points of 1 lie within the run"]),
 ]
@@ -130,7 +133,7 @@ def test_threads_give_the_same_bits(fitted):
 
 def test_goes_on_and_replaces_nothing_of_others(fitted):
     first = Path("branch.json").read_bytes()
-    again = fit(*VARY, *ALONG, "-o", "branch.toml").expect(out="1 runs, 0 of them failed; 19 known from before")
+    again = fit(*VARY, *ALONG, "-o", "branch.toml").expect(out="1 runs, 0 of them failed; 9 known from before")
     assert Path("branch.json").read_bytes() == first, str(again)
     for other in ("bonds[0].k_s", "bonds[fibre].k_n=log", "bonds[fibre].k_n=range(1e10, )"):
         fit("--vary", other, *ALONG, "-o", "branch.toml", status=2, err="has runs of another fit")
@@ -172,3 +175,49 @@ def test_blas_of_statics_is_no_other_than_before(work):
     said = vbond("--version", env={"LD_BIND_NOW": "1", "LD_DEBUG": "bindings"})
     bound = [line for line in said.err.splitlines() if "symbol `dgemm_'" in line]
     assert bound and all("libopenblas" in line.split(" to ")[1] for line in bound), bound
+
+
+def test_derivatives_by_tangents_save_runs_and_change_nothing(work):
+    both = ["--vary", "bonds[fibre].k_n=log", "--vary", "bonds[0].prestrain=range(-1e-4, 1e-4)"]
+    case = write("both.toml", CASE.read_text().replace('k_s = "2e10', 'prestrain = 0.0\nk_s = "3.42e10'))
+    runs = {}
+    for how in ("automatic", "differences"):
+        said = fit(*both, *ALONG, "--derivatives", how, "-o", f"{how}.toml", case=case)
+        runs[how] = int(re.search(r"(\d+) runs", said.out)[1])
+        assert {value["derivative"] for value in found(how)["values"]} == {"tangent" if how == "automatic" else "differences"}
+    assert runs["automatic"] < 0.7 * runs["differences"], runs
+    print(runs)
+    one, other = (key(how, "bonds[fibre].k_n") for how in runs)
+    assert abs(one["value"] / other["value"] - 1) < 1e-6
+    assert abs(one["standard_error"] / other["standard_error"] - 1) < 1e-4
+
+
+def test_says_which_derivatives_are_differences(work):
+    fit(*VARY, "--vary", "stage[bend].loads[0].force[2]=log", "--iterations", "2", *ALONG, "-o", "which.toml", status=(0, 1),
+        out=["derivatives with stage[bend].loads[0].force[2] by differences: it is no key of bonds",
+             "derivatives with bonds[fibre].k_n by the tangents of balances"])
+    assert [value["derivative"] for value in found("which")["values"]] == ["tangent", "differences"]
+    assert found("which")["values"][0]["off_from_differences"] < 1e-4
+    assert found("which")["values"][1]["why_differences"] == "it is no key of bonds"
+
+
+def test_page(work):
+    fit(*VARY, *ALONG, "--report", "-o", "shown.toml", out="report in shown.html")
+    text = Path("shown.html").read_text()
+    data = json.loads(re.search(r'^<script type="application/json" id="fit">(.*)</script>$', text, re.M)[1])
+    written = found("shown")
+    assert data["values"] == written["values"] and data["iterations"] == written["iterations"]
+    assert data["x"] == "load_factor" and data["units"] == ["m"] and data["stages"] == ["bend"]
+    rows = table("shown.csv")
+    assert len(data["points"]) == len(rows) == written["points"]
+    for point, row in zip(data["points"], rows, strict=True):
+        assert [point[name] for name in ("line", "measured", "start", "fitted")] == [row[name] for name in ("line", "measured", "start", "fitted")]
+    # nothing of others is replaced
+    Path("alone.html").write_text("mine")
+    fit(*VARY, *ALONG, "--report", "-o", "alone.toml", status=2, err="alone.html is there already")
+    assert Path("alone.html").read_text() == "mine"
+
+
+def test_page_that_was_not_built(work):
+    fit(*VARY, *ALONG, "--report", "-o", "none.toml", status=3, err="the report page was not built", env={"VBOND_PAGE": "nowhere.html"})
+    assert not list(Path().glob("none*"))

@@ -57,6 +57,23 @@ TEST(FitCurve, SaysHowFarTheLineIsOff) {
   }
 }
 
+// Against central differences of curves whose rows have moved, which are smooth between rows.
+TEST(FitCurve, RatesAreThoseOfMovedRows) {
+  const Curve c{{0, 1, 2.5, 4}, {1, 3, 2, 5}}, rates{{0, 0.3, -0.2, 0.5}, {0.4, -1, 0.7, 2}};
+  const auto moved = [&](double by) {
+    Curve m = c;
+    for (std::size_t k = 0; k < c.x.size(); ++k) m.x[k] += by * rates.x[k], m.y[k] += by * rates.y[k];
+    return m;
+  };
+  constexpr double h = 1e-5;
+  for (const double x : {0.2, 0.9, 1.7, 2.6, 3.9})
+    EXPECT_NEAR(fit::rate_at(c, rates, x), (fit::at(moved(h), x)->y - fit::at(moved(-h), x)->y) / (2 * h),
+                1e-8)
+        << x;
+  EXPECT_DOUBLE_EQ(fit::rate_at(c, rates, 0), 0.4);
+  EXPECT_TRUE(std::isnan(fit::rate_at(c, rates, 4.5)));
+}
+
 // Rows without a number end a piece of the curve: nothing is drawn across them.
 TEST(FitCurve, HasGapsWhereRowsHaveNoNumber) {
   const double none = std::numeric_limits<double>::quiet_NaN();

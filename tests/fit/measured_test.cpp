@@ -54,13 +54,27 @@ TEST(FitData, UnitsOfHeadingsBecomeThoseOfTheHistory) {
   EXPECT_EQ(read.passed_over, std::vector<std::string>{"other"});
 }
 
+// The column is that of the field, also where its text stands earlier in the line, and characters count, not
+// bytes.
+TEST(FitData, WrongNumbersAreToldWithTheirColumn) {
+  const auto place = [](const std::string& text) {
+    const std::string told = Data(text).refusal({force});
+    return told.substr(told.find("data.csv"), told.find(": ") - told.find("data.csv"));
+  };
+  EXPECT_EQ(place("other,t,F [kN]\nx,1,x\n"), "data.csv:2:5");
+  EXPECT_EQ(place("other,t,F [kN]\nx,  ,2\n"), "data.csv:2:5");
+  EXPECT_EQ(place("other;t;F [kN]\n\"x;1\"\"\";1;  1,5\n"), "data.csv:2:13");
+  EXPECT_EQ(place("other\tt\tF [kN]\n\u00e4\u00e4\t1\tx\n"), "data.csv:2:6");
+  EXPECT_EQ(place("other,t,F [kN]\n\"a\nb\",1,x\n"), "data.csv:2:1");  // on a further line of its row
+}
+
 TEST(FitData, RowsBelongToStages) {
   const Data data("t,F [kN],stage\n1,2,bend\n");
   EXPECT_EQ(data.read({force}).points[0].stage, 1u);
   EXPECT_TRUE(data.read({force}, UnitSystem::si, "pull").points.empty());  // the row is of another stage
   EXPECT_EQ(data.read({force}, UnitSystem::si, "bend").points.size(), 1u);
   EXPECT_NE(data.refusal({force}, UnitSystem::si, "pul").find("did you mean \"pull\"?"), std::string::npos);
-  EXPECT_NE(Data("t,F [kN],stage\n1,2,bent\n").refusal({force}).find("data.csv:2:1: stage \"bent\""),
+  EXPECT_NE(Data("t,F [kN],stage\n1,2,bent\n").refusal({force}).find("data.csv:2:5: stage \"bent\""),
             std::string::npos);
 }
 

@@ -118,6 +118,60 @@ TEST(FitSearch, NegativeValuesOnALogarithmicScaleKeepTheirBounds) {
   EXPECT_EQ(found(-5, -open, -2), -2);
 }
 
+/// The same with the slopes of decay(), of the second value wrong by this factor, where one set is asked for.
+fit::Curves curves_with_slopes(double factor, std::size_t& sets) {
+  return [factor, &sets](const std::vector<std::vector<double>>& all) {
+    std::vector<fit::Trial> trials;
+    sets += all.size();
+    for (const auto& p : all) {
+      fit::Trial& t = trials.emplace_back(fit::Trial{decay(p), ""});
+      if (all.size() > 1) continue;
+      t.slopes.resize(2), t.no_slope.resize(2);
+      for (const double x : places) {
+        t.slopes[0].push_back(std::exp(-p[1] * x));
+        t.slopes[1].push_back(-factor * x * p[0] * std::exp(-p[1] * x));
+      }
+    }
+    return trials;
+  };
+}
+
+// Four runs beside the start compare them; then none is beside. They lead to the same values and the same
+// Jacobian, to what central differences are off: h^2/6 of the third derivative, 1e-6.
+TEST(FitSearch, TakesSlopesThatDifferencesConfirm) {
+  for (const bool logarithmic : {false, true}) {
+    const std::vector<Searched> values{{.start = 2.6}, {.start = 0.6, .logarithmic = logarithmic}};
+    std::size_t with = 0, without = 0;
+    fit::SearchOptions by_differences;
+    by_differences.exact = false;
+    const Found exact = fit::search(values, decay(truth), sigma, curves_with_slopes(1, with), {}),
+                other =
+                    fit::search(values, decay(truth), sigma, curves_with_slopes(1, without), by_differences);
+    for (const fit::Derivative& d : exact.derivatives) {
+      EXPECT_TRUE(d.exact) << d.why_not;
+      EXPECT_LT(d.off, 1e-5);
+    }
+    for (const fit::Derivative& d : other.derivatives) EXPECT_EQ(d.why_not, "differences are asked for");
+    for (std::size_t k = 0; k < 2; ++k) EXPECT_NEAR(exact.values[k] / truth[k], 1, 1e-9);
+    double size = 0;
+    for (const double x : other.jacobian) size = std::max(size, std::abs(x));
+    for (std::size_t k = 0; k < other.jacobian.size(); ++k)
+      EXPECT_NEAR(exact.jacobian[k], other.jacobian[k], 1e-5 * size);
+    EXPECT_LT(2 * with, without);
+  }
+}
+
+// One in a hundred off is more than differences are: that value goes by differences, the other one does not.
+TEST(FitSearch, PassesOverSlopesThatAreWrong) {
+  std::size_t sets = 0;
+  const Found found =
+      fit::search({{.start = 2.6}, {.start = 0.6}}, decay(truth), sigma, curves_with_slopes(1.01, sets), {});
+  EXPECT_TRUE(found.derivatives[0].exact);
+  EXPECT_FALSE(found.derivatives[1].exact);
+  EXPECT_NEAR(found.derivatives[1].off, 0.01, 1e-5);
+  for (std::size_t k = 0; k < 2; ++k) EXPECT_NEAR(found.values[k] / truth[k], 1, 1e-9);
+}
+
 TEST(FitSearch, RefusesAStartOutsideItsBounds) {
   for (const Searched& outside : {Searched{.start = 1, .low = 2}, Searched{.start = 1, .high = 0.5}})
     EXPECT_THROW(fit::search({outside, {.start = 1}}, decay(truth), sigma, curves(), {}),

@@ -2,6 +2,7 @@
 // picture, "no-frames", "no-webgl" or "failed" where there will be none.
 import { breaks_section } from "./breaks.js";
 import { from_base64, inflate } from "./decode.js";
+import { show_fit } from "./fit.js";
 import { foot, head, name_of, warnings } from "./head.js";
 import { History } from "./history.js";
 import { Live, contents } from "./live.js";
@@ -89,6 +90,7 @@ async function show(page) {
 
 async function start() {
   if (place("sweep")) return show_sweep(JSON.parse(place("sweep").textContent), place, theme_button);
+  if (place("fit")) return show_fit(JSON.parse(place("fit").textContent), place, theme_button, warnings);
   const page = contents(document);
   await show(page);
   document.addEventListener("keydown", (event) => shown.view?.scene && shown.view.key_pressed(event));

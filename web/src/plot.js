@@ -12,8 +12,8 @@ const closer = 0.5;     // of the axes, by the button
 
 const marker = 3;       // pixels, radius of a circle at each point
 
-/** Lines, and circles at the points with `markers`. */
-const polyline = (markers) => (u, index, first, last) => {
+/** Lines, and circles at the points with `markers`; without `lines` these alone. */
+const polyline = (markers, lines = true) => (u, index, first, last) => {
   const radius = marker * devicePixelRatio;
   const [xs, ys] = u.data[index];
   const line = new Path2D(), fill = new Path2D();
@@ -23,7 +23,7 @@ const polyline = (markers) => (u, index, first, last) => {
   for (let row = first; row <= last; ++row) {
     if (xs[row] == null || ys[row] == null) { close(); pen_down = false; continue; }
     const x = u.valToPos(xs[row], "x", true), y = u.valToPos(ys[row], "y", true);
-    if (pen_down) { line.lineTo(x, y); fill.lineTo(x, y); }
+    if (pen_down && lines) { line.lineTo(x, y); fill.lineTo(x, y); }
     else { line.moveTo(x, y); fill.moveTo(x, y); from = x; }
     if (markers) { line.moveTo(x + radius, y); line.arc(x, y, radius, 0, 2 * Math.PI); line.moveTo(x, y); }
     pen_down = true;
@@ -39,7 +39,7 @@ export class Plot {
     this.history = history;
     this.preset = preset;
     this.picked = picked;
-    this.log = { x: false, y: false };
+    this.log = { x: false, y: !!preset.log_y };
     this.hidden = new Set();
     this.row = null;
     this.zoom = null;
@@ -56,7 +56,7 @@ export class Plot {
   }
 
   switch_log(axis) {
-    const button = element("button", { type: "button", "aria-pressed": "false", onclick: () => {
+    const button = element("button", { type: "button", "aria-pressed": String(this.log[axis]), onclick: () => {
       this.log[axis] = !this.log[axis];
       button.setAttribute("aria-pressed", String(this.log[axis]));
       this.build();
@@ -146,7 +146,7 @@ export class Plot {
       splits, values: (_, marks) => words(marks),
       font: "11px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif", stroke: colour_of("--ink"),
       grid: { stroke: colour_of("--line"), width: 1 }, ticks: { stroke: colour_of("--line"), width: 1, size: 4 } });
-    const curve = (name) => ({ stroke: this.colours.get(name), width: this.stacks ? 0.5 : 1.6, paths: polyline(this.preset.markers),
+    const curve = (name) => ({ stroke: this.colours.get(name), width: this.stacks ? 0.5 : 1.6, paths: this.preset.points?.includes(name) ? polyline(true, false) : polyline(this.preset.markers),
       fill: this.stacks ? this.colours.get(name) : undefined, points: { show: false },
       facets: [{ scale: "x", auto: true }, { scale: "y", auto: true }] });
     const series = order.map((k) => curve(names[k])), data = order.map((k) => [x, ys[k]]);

@@ -1,4 +1,4 @@
-// live.mjs VBOND ROOT: a run that goes on, in a browser, by the page of `vbond watch`; and the page of a sweep.
+// live.mjs VBOND ROOT: a run that goes on, in a browser, by the page of `vbond watch`; and the pages of a sweep and of a fit.
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
 import { once } from "node:events";
@@ -116,6 +116,22 @@ try {
   const others = await overview.page.$$eval(".plot:first-of-type .key", (all) => all.map((key) => key.textContent));
   assert.deepEqual(others, ["duration 2 T0", "duration 3 T0", "duration 4 T0"]);
   assert.deepEqual(overview.complaints, []);
+
+  const example = `${root}/examples/stem_bending`;
+  const fits = start("fit", `${example}.toml`, `${example}.csv`, "--vary", "bonds[fibre].k_n", "--vary", "bonds[0].k_s=log", "--x", "load_factor",
+    "--compare", "displacement.last.z=deflection [mm]", "--iterations", "12", "--report", "-o", join(folder, "fit.toml"));
+  if (fits.exitCode === null) await once(fits, "exit");
+  assert.ok([1, 2].includes(fits.exitCode), "12 iterations are too few; without statics there are none");
+  if (fits.exitCode === 1) {
+    const fitted = await open(browser, join(folder, "fit.html"));
+    assert.equal((await fitted.page.$$(".plot")).length, 4);
+    assert.match(await fitted.page.$eval(".message", (element) => element.textContent), /has not converged/);
+    const cells = await fitted.page.$$eval("#head td", (all) => all.map((cell) => cell.textContent));
+    assert.equal(cells.length, 14);
+    assert.match(cells[6], /^tangent of the balance/);
+    assert.ok(await fitted.page.$$eval("canvas", (all) => all.every((canvas) => canvas.width > 300)), "all plots are drawn");
+    assert.deepEqual(fitted.complaints, []);
+  }
   console.log(`passed: ${before} and then ${await frames()} frames, ${asked.size} addresses asked`);
 } finally {
   for (const child of children) child.kill("SIGKILL");

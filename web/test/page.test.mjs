@@ -5,6 +5,7 @@ import { Cell } from "../src/cell.js";
 import { maps, scale_ends, shade } from "../src/colours.js";
 import { cause_colours, causes, fragment_colours } from "../src/palette.js";
 import { from_base64, inflate, stored, undelta } from "../src/decode.js";
+import { curves_of as fit_curves, messages_of, search_of, without_interval } from "../src/fit.js";
 import { name_of } from "../src/head.js";
 import { linear_axis, log_axis, log_ticks } from "../src/axis.js";
 import { History, extent, nearest, stack } from "../src/history.js";
@@ -481,4 +482,61 @@ test("Viewpoint.TheCellIsInThePicture", () => {
   assert.deepEqual([centre.x - half.x, centre.x + half.x, centre.y - half.y, centre.y + half.y], [0, 10.5, 0, 4]);
   const wrapped = bounds(run, sequence, 1, true);
   assert.deepEqual([wrapped.centre.x - wrapped.half.x, wrapped.centre.x + wrapped.half.x], [-0.5, 5]);
+});
+
+/** A fit of two columns, of which one belongs to two stages. */
+function a_fit() {
+  const point = (curve, stage, x, measured, fitted) => ({ curve, stage, x, measured, fitted, start: 2 * fitted, sigma: null });
+  return { columns: ["u", "F"], units: ["m", "N"], x: "load_factor", x_unit: "", stages: ["pull", "bend"], residual_deviation: 0.5,
+           points: [point(0, 1, 0.5, 3, 4), point(0, 1, 0.2, 1, 1.5), point(0, 0, 0.3, 2, 2), point(1, null, 1, 7, 6)],
+           iterations: [{ number: 0, sum_of_squares: 4, accepted: true, values: [2, 0] }, { number: 1, sum_of_squares: 9, accepted: false, values: [2, 0] },
+                        { number: 2, sum_of_squares: 1, accepted: true, values: [3, 0.5] }],
+           values: [{ key: "a", start: 2 }, { key: "b", start: 0 }] };
+}
+
+test("Fit.PointsOfAColumnAndStageStandInTheOrderOfX", () => {
+  const curves = fit_curves(a_fit());
+  assert.deepEqual(curves.map(({ name }) => name), ["u in stage bend", "u in stage pull", "F"]);
+  const { history, by } = curves[0];
+  assert.equal(by, "deviation");
+  assert.deepEqual(history.column("load_factor").values, [0.2, 0.5]);
+  assert.deepEqual(history.column("measured").values, [1, 3]);
+  assert.deepEqual(history.column("start").values, [3, 8]);
+  assert.deepEqual(history.column("residual / deviation").values, [1, 2]);
+  assert.equal(history.column("fitted").unit, "m");
+});
+
+test("Fit.ResidualsAreOverTheGivenStandardDeviations", () => {
+  const fit = a_fit();
+  fit.points.forEach((point) => { point.sigma = 0.25; });
+  const [{ history, by }] = fit_curves(fit);
+  assert.equal(by, "sigma");
+  assert.deepEqual(history.column("residual / sigma").values, [2, 4]);
+});
+
+test("Fit.TheSearchGoesOverItsIterations", () => {
+  const search = search_of(a_fit());
+  assert.deepEqual(search.names, ["iteration", "sum of squares", "a / start", "b"]);
+  assert.deepEqual(search.column("sum of squares").values, [4, null, 1]);   // a step that was no better is a gap
+  assert.deepEqual(search.column("a / start").values, [1, 1, 1.5]);
+  assert.deepEqual(search.column("b").values, [0, 0, 0.5]);
+});
+
+test("Fit.SaysWhyAValueHasNoInterval", () => {
+  const fit = { no_effect: ["c"], not_told_apart: [["a", "b"]], degrees_of_freedom: 3 };
+  const why = (value) => without_interval({ at_bound: null, held_by_failed_runs: false, ...value }, fit);
+  assert.equal(why({ key: "a", at_bound: "upper" }), "at its upper bound: held there");
+  assert.equal(why({ key: "a", held_by_failed_runs: true }), "held by runs that fail");
+  assert.equal(why({ key: "c" }), "no effect on the points");
+  assert.equal(why({ key: "b" }), "not told apart from others");
+  assert.equal(without_interval({ key: "d" }, { ...fit, degrees_of_freedom: 0 }), "as many values as points");
+});
+
+test("Fit.WarnsOfWhatTheValuesAreNot", () => {
+  const fit = { end: "held", why: "it fails", no_effect: ["c"], not_told_apart: [["a", "b"]], values: [{ key: "d", at_bound: "lower" }],
+                interpolation_off: 0.3, sigma_known: true, left_out_lines: [4], failures: ["no balance"] };
+  const said = messages_of(fit).map(({ text }) => text).join("\n");
+  for (const words of ["has not converged: it fails", "do not tell apart a, b", "c has no effect", "d is at its lower bound", "0.3 of sigma", "lines 4", "no balance"])
+    assert.ok(said.includes(words), words);
+  assert.deepEqual(messages_of({ ...fit, end: "converged", no_effect: [], not_told_apart: [], values: [], interpolation_off: 0, left_out_lines: [], failures: [] }), []);
 });

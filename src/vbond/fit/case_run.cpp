@@ -10,6 +10,7 @@
 #include "vbond/case/read.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/core/nearest.hpp"
+#include "vbond/fit/bond_slopes.hpp"
 #include "vbond/observe/history.hpp"
 #include "vbond/observe/observers.hpp"
 #include "vbond/run/memory_needed.hpp"
@@ -43,14 +44,24 @@ class RowsObserver final : public Observer {
   void finish(const Simulation& run, StopReason why) override {
     if (stage_done(why) && due_.at_stage_end(run.clock())) keep(run, false);
   }
-  void observe_balance(const BodyView& body, const BalancePoint&) override { keep(body, false); }
+  void observe_balance(const BodyView& body, const BalancePoint& balance) override {
+    keep(body, false);
+    if (slopes != nullptr) slopes->at(body, balance, [this](const BodyView& b) { return numbers_of(b); });
+  }
 
   Rows rows;
+  BondSlopes* slopes = nullptr;  ///< followed too
 
  private:
-  void keep(const BodyView& body, bool only_of_stage) {
+  std::vector<double> numbers_of(const BodyView& body) const {
     const std::vector<Cell> row = history_row(plan_, history_values(plan_, body));
-    for (std::size_t k = 0; k < places_.size(); ++k) rows.columns[k].push_back(number_in(row[places_[k]]));
+    std::vector<double> numbers;
+    for (const std::size_t place : places_) numbers.push_back(number_in(row[place]));
+    return numbers;
+  }
+  void keep(const BodyView& body, bool only_of_stage) {
+    const std::vector<double> numbers = numbers_of(body);
+    for (std::size_t k = 0; k < numbers.size(); ++k) rows.columns[k].push_back(numbers[k]);
     rows.stage.push_back(static_cast<std::size_t>(body.clock().stage));
     rows.only_of_stage.push_back(only_of_stage ? 1 : 0);
     due_.written(body.clock().step);
@@ -83,8 +94,8 @@ std::vector<std::size_t> places_of(const std::vector<std::string>& wanted, const
 }  // namespace
 
 Rows run_case(const CaseText& text, const std::vector<std::string>& changes,
-              const std::vector<std::string>& columns, int threads,
-              const std::function<bool()>& interrupted) {
+              const std::vector<std::string>& columns, int threads, const std::function<bool()>& interrupted,
+              const std::vector<Nudge>& nudges) {
   const Case c = parse_case(text.text, text.file, changes);
   require_statics(c);
   require_memory(c);
@@ -99,7 +110,10 @@ Rows run_case(const CaseText& text, const std::vector<std::string>& changes,
   RunHooks hooks;
   hooks.interrupted = interrupted;
   run.set_hooks(std::move(hooks));
+  std::optional<BondSlopes> slopes;
+  if (!nudges.empty()) rows->slopes = &slopes.emplace(text, nudges, run, run.state());
   run.run();
+  if (slopes) rows->rows.slopes = std::move(*slopes).take();
   rows->rows.interrupted = !run.complete();
   return std::move(rows->rows);
 }

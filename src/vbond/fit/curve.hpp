@@ -26,4 +26,7 @@ struct Between {
 /// two. Nothing if x is beyond the rows, or within a gap, by more than rounding (1e-9 of their span).
 std::optional<Between> at(const Curve& curve, double x);
 
+/// How at() changes at this x if rows move: `rates` has d x and d y of each row. NaN where at() is nothing.
+double rate_at(const Curve& curve, const Curve& rates, double x);
+
 }  // namespace vbond::fit

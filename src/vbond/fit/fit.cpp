@@ -16,54 +16,13 @@
 
 #include "vbond/case/read.hpp"
 #include "vbond/core/error.hpp"
-#include "vbond/fit/curve.hpp"
+#include "vbond/fit/at_points.hpp"
 #include "vbond/run/run.hpp"
 
 namespace vbond::fit {
 namespace {
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
-
-/// The rows that a point is compared with, for its curve and stage.
-Curve curve_of(const Rows& rows, std::size_t column, const std::optional<std::size_t>& stage) {
-  Curve c;
-  for (std::size_t r = 0; r < rows.stage.size(); ++r) {
-    if (stage ? rows.stage[r] != *stage : rows.only_of_stage[r] != 0) continue;
-    const double x = rows.columns[0][r], y = rows.columns[column][r];
-    if (c.x.empty() && !std::isfinite(x)) continue;
-    c.x.push_back(std::isfinite(x) ? x : c.x.back());  // without a number the curve has a gap here
-    c.y.push_back(std::isfinite(x) && std::isfinite(y) ? y : none);
-  }
-  return c;
-}
-
-/// The curves at all points, NaN beyond the rows; how far interpolation may be off, point by point.
-struct AtPoints {
-  std::vector<double> y, off;
-};
-
-/// Throws CaseError if some x goes back.
-AtPoints at_points(const Task& task, const Rows& rows, const std::vector<Point>& points) {
-  AtPoints found;
-  std::map<std::pair<std::size_t, std::optional<std::size_t>>, Curve> curves;
-  for (const Point& p : points) {
-    auto [at_curve, is_new] = curves.try_emplace({p.curve, p.stage});
-    if (is_new) {
-      at_curve->second = curve_of(rows, p.curve + 1, p.stage);
-      if (const auto row = goes_back(at_curve->second))
-        throw CaseError(Problem{{task.case_text.file.string(), 0, 0},
-                                fmt::format("{} goes back, from {} to {}", task.x.history,
-                                            at_curve->second.x[*row - 1], at_curve->second.x[*row]),
-                                "a curve has one value at each point of --x",
-                                "compare with one stage (--stage, or a column stage in the data), or along "
-                                "time, step or load_factor"});
-    }
-    const auto between = at(at_curve->second, p.x);
-    found.y.push_back(between ? between->y : none);
-    found.off.push_back(between ? between->off : 0);
-  }
-  return found;
-}
 
 std::string first_line(const std::string& text) {
   return text.substr(0, text.find('\n'));
@@ -93,13 +52,15 @@ class Runs {
   void set_points(std::vector<Point> points) { points_ = std::move(points); }
 
   /// Of a single run, with what goes wrong as it is thrown; nothing: interrupted.
-  std::optional<AtPoints> run(const std::vector<double>& values, int threads) const {
-    std::vector<std::string> changes;
-    for (std::size_t j = 0; j < values.size(); ++j)
-      changes.push_back(task_.varied[j].key + '=' + task_.varied[j].start.toml(values[j]));
-    const Rows rows = run_case(task_.case_text, changes, columns_, threads, options_.search.interrupted);
+  std::optional<AtPoints> run(const std::vector<double>& values, int threads, bool with_slopes,
+                              std::vector<std::string>* no_slope = nullptr) const {
+    const Rows rows =
+        run_case(task_.case_text, changes_to(task_, values), columns_, threads, options_.search.interrupted,
+                 with_slopes ? nudges_of(task_, values) : std::vector<Nudge>{});
     if (rows.interrupted) return std::nullopt;
-    return at_points(task_, rows, points_);
+    for (const Slope& s : rows.slopes)
+      if (no_slope != nullptr) no_slope->push_back(s.why_not);
+    return at_points(rows, points_, task_.case_text.file.string(), task_.x.history);
   }
 
   /// The same, kept, and with failures as a Trial.
@@ -108,7 +69,7 @@ class Runs {
     for (const auto& values : all)
       if (known_.count(values) == 0 && std::find(wanted.begin(), wanted.end(), values) == wanted.end())
         wanted.push_back(values);
-    run_together(wanted);
+    run_together(wanted, all.size() == 1);  // one alone: the search is there, and not beside
     std::vector<Trial> trials;
     for (const auto& values : all) {
       const auto at = known_.find(values);
@@ -120,9 +81,9 @@ class Runs {
   /// The start: what goes wrong there is the user's.
   std::optional<Trial> start(const std::vector<double>& values) {
     if (const auto at = known_.find(values); at != known_.end()) return at->second;
-    const auto found = run(values, options_.threads);
-    if (!found) return std::nullopt;
-    keep(values, {found->y, ""});
+    auto trial = trial_of(values, options_.threads, true);
+    if (!trial) return std::nullopt;
+    keep(values, std::move(*trial));
     return known_.at(values);
   }
 
@@ -136,14 +97,14 @@ class Runs {
     return true;
   }
   /// Several at once, which share the threads: the bits are the same.
-  void run_together(const std::vector<std::vector<double>>& wanted) {
+  void run_together(const std::vector<std::vector<double>>& wanted, bool with_slopes) {
     const std::size_t workers = std::min(wanted.size(), static_cast<std::size_t>(options_.threads));
     std::atomic<std::size_t> next = 0;
     const auto work = [&](int threads) {
       for (std::size_t k = next++; k < wanted.size(); k = next++) {
         try {
           if (stop_) return;
-          if (auto trial = guarded(wanted[k], threads)) keep(wanted[k], std::move(*trial));
+          if (auto trial = guarded(wanted[k], threads, with_slopes)) keep(wanted[k], std::move(*trial));
         } catch (...) {
           const std::lock_guard lock(mutex_);
           failure_ = std::current_exception(), stop_ = true;
@@ -161,11 +122,17 @@ class Runs {
     if (failure_) std::rethrow_exception(failure_);
   }
 
-  std::optional<Trial> guarded(const std::vector<double>& values, int threads) const {
+  std::optional<Trial> trial_of(const std::vector<double>& values, int threads, bool with_slopes) const {
+    Trial trial;
+    auto found = run(values, threads, with_slopes && options_.search.exact, &trial.no_slope);
+    if (!found) return std::nullopt;
+    trial.curve = std::move(found->y), trial.slopes = std::move(found->slopes);
+    return trial;
+  }
+  std::optional<Trial> guarded(const std::vector<double>& values, int threads, bool with_slopes) const {
     const auto no_curve = [](const std::exception& e) { return Trial{{}, first_line(e.what())}; };
     try {
-      auto found = run(values, threads);
-      return found ? std::optional(Trial{std::move(found->y), ""}) : std::nullopt;
+      return trial_of(values, threads, with_slopes);
     } catch (const CaseError& e) {
       return no_curve(e);
     } catch (const Diverged& e) {
@@ -212,7 +179,15 @@ Trial at_chosen(const Trial& trial, const std::vector<std::size_t>& which, const
       return {{},
               fmt::format("the run has no {} at {} = {} of {}:{}", task.measured[points[k].curve].y.history,
                           task.x.history, points[k].x, task.data_file.string(), points[k].line)};
-  return {chosen(trial.curve, which), ""};
+  Trial some{chosen(trial.curve, which), "", {}, trial.no_slope};
+  for (std::size_t j = 0; j < trial.slopes.size(); ++j) {
+    const std::vector<double>& all = trial.slopes[j];
+    std::vector<double>& slope = some.slopes.emplace_back();
+    if (!all.empty()) slope = chosen(all, which);
+    if (std::any_of(slope.begin(), slope.end(), [](double x) { return !std::isfinite(x); }))
+      slope.clear(), some.no_slope[j] = "it is not finite at some point";
+  }
+  return some;
 }
 
 /// 1 / their size, where they are not known: the search is then one of numbers near 1.
@@ -351,7 +326,7 @@ std::optional<Result> fit(const Task& task, const Options& options) {
   judge(task, sigma, options.search.difference, result);
   sum_up(runs, result);
   if (result.found.end == SearchEnd::interrupted) return result;
-  if (const auto last = runs.run(result.found.values, options.threads)) {  // again, for its rows
+  if (const auto last = runs.run(result.found.values, options.threads, false)) {  // again, for its rows
     ++result.runs;
     for (std::size_t k = 0; k < which.size(); ++k)
       if (const double off = last->off[which[k]] / sigma[k]; off > result.runs_off)

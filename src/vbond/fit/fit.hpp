@@ -50,6 +50,12 @@ Task make_task(const std::filesystem::path& case_file, const std::filesystem::pa
 /// where the text does not take them.
 std::string with_values(const Task& task, const std::vector<double>& values);
 
+/// The changes of the case (case/read.hpp) that these values are.
+std::vector<std::string> changes_to(const Task& task, const std::vector<double>& values);
+
+/// The same for runs with slopes: each value a little more and less, by 2e-4 of itself.
+std::vector<Nudge> nudges_of(const Task& task, const std::vector<double>& values);
+
 /// A run of the search, as it is kept.
 struct Tried {
   std::vector<double> values;

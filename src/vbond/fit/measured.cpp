@@ -76,17 +76,20 @@ class Fields {
   }
   void refuse(std::size_t column, std::size_t row, const std::string& title, const std::string& rule,
               const std::string& way_out) const {
-    problems_.add(place(row, text(column, row)),
-                  fmt::format("{} = {}", title, shown_field(text(column, row))), rule, way_out);
+    problems_.add(place(column, row), fmt::format("{} = {}", title, shown_field(text(column, row))), rule,
+                  way_out);
+  }
+
+  /// Of a field of a row; its first character, if it stands on the row's first line.
+  SourcePlace place(std::size_t column, std::size_t row) const {
+    const std::uint32_t line = table_.lines[row];
+    const std::uint32_t character =
+        line <= lines_.size() ? column_of_field(lines_[line - 1], table_.separator, table_.columns[column])
+                              : 1;
+    return {file_.string(), line, character};
   }
 
  private:
-  /// Of a field of a row; its first character, if it stands on the row's first line.
-  SourcePlace place(std::size_t row, const std::string& field) const {
-    const std::uint32_t line = table_.lines[row];
-    const std::size_t at = line <= lines_.size() ? lines_[line - 1].find(field) : std::string::npos;
-    return {file_.string(), line, static_cast<std::uint32_t>(at == std::string::npos ? 1 : at + 1)};
-  }
   const std::filesystem::path& file_;
   const CsvTable& table_;
   std::vector<std::string> lines_;
@@ -176,7 +179,7 @@ Points read_points(const std::filesystem::path& file, const Pair& x, const std::
     std::optional<std::size_t> of_stage = of_all;
     try {
       if (has_stages)
-        of_stage = stage_of(fields.text(stage_column, row), stages, {file.string(), table.lines[row], 1});
+        of_stage = stage_of(fields.text(stage_column, row), stages, fields.place(stage_column, row));
     } catch (const CaseError& e) {
       problems.add(e);
     }

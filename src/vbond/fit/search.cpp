@@ -8,125 +8,10 @@
 #include <exception>
 #include <stdexcept>
 
+#include "vbond/fit/residuals.hpp"
+
 namespace vbond::fit {
 namespace {
-
-/// The values as the search counts them: value / scale, or ln(value / start).
-class Unknowns {
- public:
-  explicit Unknowns(const std::vector<Searched>& values) : values_(values) {}
-  std::size_t size() const { return values_.size(); }
-  double unknown(std::size_t j, double value) const {
-    const Searched& v = values_[j];
-    return v.logarithmic ? std::log(value / v.start) : value / v.scale();
-  }
-  /// The bounds and the start come back to the bit: the case may accept no more.
-  double value(std::size_t j, double u) const {
-    const Searched& v = values_[j];
-    if (u == unknown(j, v.start)) return v.start;
-    if (u == unknown(j, v.low)) return v.low;
-    if (u == unknown(j, v.high)) return v.high;
-    return std::clamp(v.logarithmic ? v.start * std::exp(u) : u * v.scale(), v.low, v.high);
-  }
-  double low(std::size_t j) const { return std::min(end(j, values_[j].low), end(j, values_[j].high)); }
-  double high(std::size_t j) const { return std::max(end(j, values_[j].low), end(j, values_[j].high)); }
-  std::vector<double> values(const double* u) const {
-    std::vector<double> all;
-    for (std::size_t j = 0; j < size(); ++j) all.push_back(value(j, u[j]));
-    return all;
-  }
-  double step(std::size_t j, double u, double difference) const {
-    return values_[j].logarithmic ? difference : difference * std::max(std::abs(u), 0.1);
-  }
-
- private:
-  double end(std::size_t j, double bound) const {
-    if (values_[j].logarithmic && std::isinf(bound)) return values_[j].start > 0 ? bound : -bound;
-    return unknown(j, bound);
-  }
-  const std::vector<Searched>& values_;
-};
-
-/// Residuals and their derivatives by differences, in the unknowns.
-class Residuals {
- public:
-  Residuals(const Unknowns& unknowns, const std::vector<double>& data, const std::vector<double>& sigma,
-            const Curves& curves, const SearchOptions& options)
-      : unknowns_(unknowns), data_(data), sigma_(sigma), curves_(curves), options_(options) {}
-
-  std::size_t points() const { return data_.size(); }
-  bool interrupted() const { return options_.interrupted && options_.interrupted(); }
-
-  bool at(const std::vector<double>& u, std::vector<double>& r) {
-    const Trial trial = curves_({unknowns_.values(u.data())}).front();
-    if (trial.failed()) return why = trial.failure, accepted_since_failure = 0, false;
-    r = weighted(trial);
-    return true;
-  }
-
-  /// d r / d u of these unknowns: points x columns.
-  bool derivatives(const std::vector<double>& u, const std::vector<double>& r,
-                   const std::vector<std::size_t>& columns, std::vector<double>& J) {
-    const std::size_t n = columns.size(), m = r.size();
-    std::vector<std::vector<double>> points;
-    std::vector<std::pair<double, double>> steps;
-    for (const std::size_t j : columns) {
-      steps.push_back(steps_at(j, u[j]));
-      for (const double h : {steps.back().first, steps.back().second}) {
-        std::vector<double> beside = u;
-        beside[j] += h;
-        points.push_back(unknowns_.values(beside.data()));
-      }
-    }
-    const std::vector<Trial> trials = curves_(points);
-    if (interrupted()) return false;
-    J.assign(m * n, 0.0);
-    one_sided.clear();
-    for (std::size_t k = 0; k < n; ++k) {
-      const Trial &one = trials[2 * k], &other = trials[2 * k + 1];
-      if (one.failed() && other.failed()) return why = one.failure, no_derivative = true, false;
-      for (const Trial* t : {&one, &other})
-        if (t->failed()) one_sided.push_back(t->failure);
-      const auto [a, b] = steps[k];
-      const std::vector<double> r_a = one.failed() ? r : weighted(one),
-                                r_b = other.failed() ? r : weighted(other);
-      // the slope at 0 of the parabola through 0, a and b; of a straight line where there is one of them only
-      for (std::size_t i = 0; i < m; ++i) {
-        const double to_a = (r_a[i] - r[i]) / a, to_b = (r_b[i] - r[i]) / b;
-        J[i * n + k] = one.failed() ? to_b : other.failed() ? to_a : (b * to_a - a * to_b) / (b - a);
-      }
-    }
-    return true;
-  }
-
-  std::exception_ptr failure;
-  std::string why;
-  bool no_derivative = false;
-  int accepted_since_failure = 0;      ///< steps of the leg since one that led to a run that fails
-  std::vector<std::string> one_sided;  ///< failures beside the last point with derivatives
-
- private:
-  /// To both sides, or twice to one where a bound is near.
-  std::pair<double, double> steps_at(std::size_t j, double u) const {
-    const double room = unknowns_.high(j) - unknowns_.low(j),
-                 h = std::min(unknowns_.step(j, u, options_.difference), 0.25 * room);
-    if (u + h > unknowns_.high(j)) return {-h, -2 * h};
-    if (u - h < unknowns_.low(j)) return {h, 2 * h};
-    return {-h, h};
-  }
-  std::vector<double> weighted(const Trial& trial) const {
-    if (trial.curve.size() != data_.size())
-      throw std::invalid_argument("a curve has a number for each point");
-    std::vector<double> r(data_.size());
-    for (std::size_t i = 0; i < r.size(); ++i) r[i] = (trial.curve[i] - data_[i]) / sigma_[i];
-    return r;
-  }
-
-  const Unknowns& unknowns_;
-  const std::vector<double>&data_, &sigma_;
-  const Curves& curves_;
-  const SearchOptions& options_;
-};
 
 /// The residuals over some of the unknowns, with the others held, as the solver takes them.
 class FreeResiduals final : public ceres::CostFunction {
@@ -362,6 +247,7 @@ Found search(const std::vector<Searched>& values, const std::vector<double>& dat
   for (std::size_t j = 0; j < values.size(); ++j) u.push_back(unknowns.unknown(j, values[j].start));
   if (!residuals.at(u, r)) throw std::invalid_argument(residuals.why);
   go(unknowns, residuals, options, u, found);
+  found.derivatives = residuals.used.empty() ? std::vector<Derivative>(values.size()) : residuals.used;
   found.why = in_words(found.end, residuals.why, options.most_iterations);
   found.values = unknowns.values(u.data());
   return found;

@@ -1,4 +1,5 @@
 #pragma once
+#include <cmath>
 #include <cstddef>
 #include <functional>
 #include <limits>
@@ -22,10 +23,14 @@ struct Searched {
 struct Trial {
   std::vector<double> curve;  ///< empty: there is none
   std::string failure;
+  /// Of each value d curve / d value, exact; an empty one, or none: not known, for a reason in no_slope.
+  std::vector<std::vector<double>> slopes = {};
+  std::vector<std::string> no_slope = {};
   bool failed() const { return curve.empty(); }
 };
 
 /// Of each of several sets of values its trial. It may compute them in any order, or know them already.
+/// Slopes are of use where it is asked for one set alone.
 using Curves = std::function<std::vector<Trial>(const std::vector<std::vector<double>>&)>;
 
 struct Iteration {
@@ -41,8 +46,17 @@ struct SearchOptions {
   /// scale() where it is less. Central differences of a curve with a relative error e are best near cbrt(3
   /// e): 1e-3 for the 3e-10 of an equilibrium. They are then wrong by 1e-6 of themselves at most.
   double difference = 1e-3;
+  bool exact = true;  ///< slopes of trials are taken where they are given, else differences for all values
   std::function<bool()> interrupted = {};
   std::function<void(const Iteration&)> tell = {};  ///< each iteration as it ends
+};
+
+/// What the derivative with a value was.
+struct Derivative {
+  bool exact = false;  ///< the slopes of trials, else differences
+  double off =
+      NAN;  ///< of the slopes at the start from differences there, as a part of these; NaN: not compared
+  std::string why_not;  ///< not exact: the reason
 };
 
 enum class SearchEnd { converged, held, iterations, no_better, no_derivative, interrupted };
@@ -52,6 +66,7 @@ struct Found {
   std::vector<double> residuals;  ///< (curve - data) / sigma there
   std::vector<double>
       jacobian;  ///< points x values; of `residuals` by value / scale(), by ln(value) where logarithmic
+  std::vector<Derivative> derivatives;  ///< of each value
   /// Of each value, if runs that fail held the search: whether it would go on into them. Else empty.
   std::vector<char> held;
   SearchEnd end = SearchEnd::converged;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "vbond/case/read.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/core/read_file.hpp"
 #include "vbond/fit/fit.hpp"
@@ -62,6 +63,28 @@ void look_over(const std::string& text, const Varied& v) {
   if (s.start == 0 && !std::isfinite(s.high - s.low))
     refuse(text, "the search starts at " + start, "a start of 0 says nothing about the size of steps",
            "give both bounds, or another start");
+}
+
+/// The case must take values next to the start, above or below: a whole number, as of particles, has none.
+void refuse_what_does_not_vary(const Task& task, std::size_t j) {
+  constexpr double part = 1e-4;
+  const Varied& v = task.varied[j];
+  const Searched& s = v.searched;
+  std::string why;
+  for (const double h : {part * s.scale(), -part * s.scale()}) {
+    const double beside = s.start + h;
+    if (beside < s.low || beside > s.high) continue;
+    try {
+      parse_case(task.case_text.text, task.case_text.file, {v.key + '=' + v.start.toml(beside)});
+      return;
+    } catch (const CaseError& e) {
+      if (why.empty()) why = e.problems().front().rule;
+    }
+  }
+  if (why.empty()) return;  // the bounds are nearer than that
+  throw CaseError(Problem{v.start.place, fmt::format("{} {}", option, v.key),
+                          "the case refuses values next to this one: " + why,
+                          "vary a key that takes numbers in between; whole ones go into a sweep"});
 }
 
 std::vector<Measured> measured_of(const std::vector<std::string>& compare,
@@ -123,6 +146,7 @@ Task make_task(const std::filesystem::path& case_file, const std::filesystem::pa
   std::vector<double> others;  // none of them is the start, which would be found where nothing was replaced
   for (const Varied& v : task.varied) others.push_back(v.searched.start == 0 ? 1 : 0.5 * v.searched.start);
   with_values(task, others);
+  for (std::size_t j = 0; j < task.varied.size(); ++j) refuse_what_does_not_vary(task, j);
   task.data_file = data_file;
   task.x = pair_of(x, "--x");
   task.measured = measured_of(compare, sigma);
@@ -154,6 +178,32 @@ std::string with_values(const Task& task, const std::vector<double>& values) {
                               "another value cannot be put in the place of this one",
                               "write it as a number, or with its unit between plain quotes"});
   return text;
+}
+
+std::vector<std::string> changes_to(const Task& task, const std::vector<double>& values) {
+  std::vector<std::string> changes;
+  for (std::size_t j = 0; j < values.size(); ++j)
+    changes.push_back(task.varied[j].key + '=' + task.varied[j].start.toml(values[j]));
+  return changes;
+}
+
+std::vector<Nudge> nudges_of(const Task& task, const std::vector<double>& values) {
+  constexpr double part = 2e-4;
+  std::vector<Nudge> nudges;
+  for (std::size_t j = 0; j < values.size(); ++j) {
+    Nudge& nudge = nudges.emplace_back();
+    if (!task.varied[j].key.starts_with("bonds[")) {
+      nudge.why_not = "it is no key of bonds";
+      continue;
+    }
+    nudge.step = part * std::max(std::abs(values[j]), 0.1 * task.varied[j].searched.scale());
+    for (int k = -3; k <= 3; ++k) {
+      std::vector<double> beside = values;
+      beside[j] += k * nudge.step;
+      nudge.changes[static_cast<std::size_t>(k + 3)] = changes_to(task, beside);
+    }
+  }
+  return nudges;
 }
 
 }  // namespace vbond::fit

@@ -58,6 +58,8 @@ struct PageLimits {
 /// The template with the overview of a sweep in it: JSON as web/FORMAT.md says. Throws IoError like
 /// report_page.
 std::string sweep_page(const std::string& page_template, const std::string& json);
+/// The same of a fit.
+std::string fit_page(const std::string& page_template, const std::string& json);
 
 /// The page: the template with the run in it. While it is larger than its limit, first rows of the history
 /// are left out, if those alone take half of it; then frames of the run, evenly; then modes from the last

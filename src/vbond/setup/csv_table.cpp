@@ -50,6 +50,7 @@ class CsvScanner {
   }
 
   const SourcePlace& place() const { return place_; }  ///< where the record begins
+  char separator() const { return separator_ == '\0' ? ',' : separator_; }
 
  private:
   /// That of the header, which at_ has come to.
@@ -231,6 +232,22 @@ std::string shown_field(const std::string& text) {
   return '"' + text.substr(0, cut) + "...\"";
 }
 
+std::uint32_t column_of_field(std::string_view line, char separator, std::size_t k) {
+  const bool marked = line.starts_with(byte_order_mark);
+  std::size_t at = marked ? byte_order_mark.size() : 0;
+  bool quoted = false;
+  for (; k > 0 && at < line.size(); ++at) {
+    if (line[at] == '"') quoted = !quoted;  // a doubled quote does it twice
+    if (line[at] == separator && !quoted) --k;
+  }
+  if (k > 0) return 1;
+  at = std::min(line.find_first_not_of(separator == '\t' ? " " : " \t", at), line.size());
+  const std::string_view before = line.substr(0, at);
+  const auto characters = std::count_if(
+      before.begin(), before.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; });
+  return static_cast<std::uint32_t>(characters + (marked ? 0 : 1));
+}
+
 CsvTable read_csv(const std::filesystem::path& file, const SourcePlace& place,
                   const std::vector<WantedColumn>& wanted, const OtherColumns& others) {
   const std::string content = read_bytes(file, place);
@@ -247,9 +264,12 @@ CsvTable read_csv(const std::filesystem::path& file, const SourcePlace& place,
   CsvTable table;
   table.header_line = scanner.place().line;
   table.passed_over = header.passed_over();
+  table.separator = scanner.separator();
   table.fields.resize(wanted.size());
-  for (std::size_t k = 0; k < wanted.size(); ++k)
+  for (std::size_t k = 0; k < wanted.size(); ++k) {
+    table.columns.push_back(header.column_of(k));
     table.found.push_back(header.column_of(k) != CsvHeader::nowhere);
+  }
   const std::string rule = fmt::format("the header has {} columns: {}", titles.size(), first_names(titles));
   while (scanner.next(fields)) {
     if (fields.size() != titles.size()) {
