@@ -317,7 +317,7 @@ class Simulation final : public BodyView, private MotionHost {
   CellImages images_;
   Exchange& exchange_;  // with the other parts, or with the images
   Team team_;
-  std::optional<Team> with_ghosts_;  // of ranks, and where more than bonds concerns ghosts: the last part has them
+  std::optional<Team> with_ghosts_;  // of ranks, and where more than bonds concerns ghosts: in the last part
   BondPacks bonds_;
   BondIndex bond_index_;
   Contacts contacts_;
