@@ -49,7 +49,7 @@ void refuse_what_lammps_lacks(const Case& c, const Model& model, const BondList&
            "the cells of a joint are several bonds of one pair, which LAMMPS does not tell apart",
            "export the case without flat_joint"});
   for (const BondKind& kind : list.kinds)
-    if (kind.law->remembers())
+    if (kind.law->remembers() && kind.law->crack == nullptr)  // flat joints are told above
       problems.push_back({file, fmt::format("bonds of the law {}", kind.law->name),
                           "bond_style vbond has bonds that remember nothing: without yield, creep, softening",
                           "export the case without these keys"});

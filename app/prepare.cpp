@@ -81,10 +81,17 @@ void print_notes(const std::vector<std::string>& notes) {
 }
 
 void print_overview(const Case& c, const Model& model, const State& state) {
-  const auto n = static_cast<double>(model.particles()), bonds = static_cast<double>(state.bonds.size());
+  std::size_t pairs = 0;  // the cells of a flat joint follow one another, and are of one pair
+  const Bond* last = nullptr;
+  for (const Bond& b : state.bonds) {
+    const bool same = last != nullptr && last->i == b.i && last->j == b.j && last->image_j == b.image_j;
+    pairs += !(same && last->set == b.set);
+    last = &b;
+  }
+  const auto n = static_cast<double>(model.particles());
   if (!c.title.empty()) fmt::print("{}\n", printable(c.title));
   fmt::print("particles        {}\n", model.particles());
-  const std::string neighbours = fmt::format("{:.3g}", n > 0 ? 2 * bonds / n : 0.0);
+  const std::string neighbours = fmt::format("{:.3g}", n > 0 ? 2 * static_cast<double>(pairs) / n : 0.0);
   fmt::print("bonds            {}, on average {} neighbour{} per particle\n", state.bonds.size(), neighbours,
              neighbours == "1" ? "" : "s");
   fmt::print("contacts         {}\n", page::contacts_in_words(model));

@@ -57,6 +57,7 @@ def test_the_example_has_the_figures_of_coulomb(work):
     ("bonds[0].flat_joint.friction=-1", "must satisfy 0 <= friction"),
     ("bonds[0].strength.moment_share=0.5", "without moment_share"),
     ("bonds[0].damping={time='1 us'}", "bonds whose cells rub when they are broken do not damp"),
+    ("bonds[0].flat_joint.friction=0", "grains slide freely along cracked faces without friction"),
     ("bonds[0].prestrain=0.001", "do not expand, are made at rest"),
     ("bonds[0].section={shape='square',side='1 mm'}", "a flat joint is a circle of springs per area"),
     ("bonds[0].stiffness_factors={c_A=2}", "c_B follows from c_A"),
@@ -64,6 +65,64 @@ def test_the_example_has_the_figures_of_coulomb(work):
 ])
 def test_refused(work, change, err):
     refused(SHEAR, err, sets=change)
+
+
+@pytest.mark.parametrize("damping", ["{ratio=0.05}", "{coefficients={g_A='1 N*s/m',g_D='1 N*s/m',g_B='1 N*m*s',g_T='1 N*m*s'}}"])
+def test_damping_by_ratio_is_refused(work, damping):
+    write("damped.toml", SHEAR.read_text(), (", friction = 0.4", ""))
+    refused("damped.toml", "would damp the joint by their number", sets="bonds[0].damping=" + damping)
+    vbond("check damped.toml", sets="bonds[0].damping={time='1 us'}")
+
+
+PAIR = """
+[[specimen]]
+kind = "list"
+positions = [[0, 0, 0], [2, 0, 0]]
+radius = 1.0
+mass = 1.0
+inertia = 0.4
+[groups.A]
+indices = [0]
+[groups.B]
+indices = [1]
+[[bonds]]
+distance = 2.2
+theory = "parallel"
+k_n = 1.0
+k_s = 0.4
+section = {shape = "circle", diameter = 1.6}
+JOINT
+strength = {criterion = "mohr-coulomb", tension_limit = 0.005, cohesion = 0.01, friction_angle = 0.4}
+[[stage]]
+name = "crack"
+duration = 20.0
+supports = [{group = "A", fix = ["x", "y", "z", "rx", "ry", "rz"]},
+  {group = "B", fix = ["x", "y", "z", "rx", "ry", "rz"], velocity = [-0.001, 0.005, 0]}]
+[[stage]]
+name = "go"
+duration = 10.0
+[[sink]]
+group = "B"
+stages = ["go"]
+every = 2.0
+box = {min = [-5, -5, -5], max = [5, 5, 5]}
+[output]
+history = {every = 1}
+"""
+
+
+def test_t0_and_neighbours_are_those_of_the_whole_bond(work):
+    for joint in ("", "flat_joint = {radial = 2, around = 6}", "flat_joint = {radial = 3, around = 1, friction = 0.4}"):
+        write("pair.toml", PAIR, ("JOINT", joint))
+        # 2 pi sqrt(m / (k_n pi 0.8^2)) = 4.43113
+        vbond("check pair.toml", out=["on average 1 neighbour per particle", "T0               4.43113"])
+
+
+def test_cracked_cells_that_a_sink_takes_out_do_not_break_again(work):
+    write("sunk.toml", PAIR, ("JOINT", "flat_joint = {radial = 1, around = 4, friction = 0.4}"))
+    vbond("run sunk.toml -o sunk")
+    assert lines("sunk/breaks.csv") == 1 + 4
+    assert column("sunk", "broken")[-1] == 4 == number("sunk", "broken")
 
 
 def test_place_of_a_mistake(work):

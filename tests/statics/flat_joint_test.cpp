@@ -198,5 +198,15 @@ TEST(FlatJointAtRest, PathsTakeIntactJointsAndRefuseCrackedOnes) {
   EXPECT_NE(testing::refusal(s, stage).find("cracked"), std::string::npos);
 }
 
+// Grains on smooth faces slide freely: a load along them has no balance, and none is told.
+TEST(FlatJointAtRest, FacesWithoutFrictionAreRefused) {
+  Rock smooth = in_cells({1, 4});
+  smooth.friction = 0.0;
+  const StaticStage stage = testing::static_stage(StageKind::equilibrium, {grain(0, testing::clamped)},
+                                                  {testing::pushed(1, {-1e-4, 1e-5, 0})});
+  EXPECT_NE(testing::refusal(testing::two_grains(smooth), stage).find("no friction"), std::string::npos);
+  EXPECT_EQ(testing::refusal(testing::two_grains(in_cells({1, 4})), stage), "");
+}
+
 }  // namespace
 }  // namespace vbond::flat_joint_at_rest_test

@@ -59,6 +59,10 @@ void check_flat_joint(Table& t, const BondSpec& b) {
           "bonds whose cells rub when they are broken do not damp: a crack that stands open would go on "
           "damping",
           "leave damping out: stages have a viscous or local damping; or leave friction out");
+  t.check(recipe.damping.by == DampingBy::none || recipe.damping.by == DampingBy::time,
+          {"damping", "flat_joint"},
+          "a ratio, or coefficients, of the cells would damp the joint by their number",
+          "give damping = {time = ...}, which damps the intact joint as the parallel bond; or leave it out");
   const BondStiffness<double>& f = recipe.factors;
   t.check(f.c_A == f.c_B && f.c_D == f.c_T, {"stiffness_factors", "flat_joint"},
           "a flat joint bends and twists by the springs of its cells: c_B follows from c_A, c_T from c_D",

@@ -39,6 +39,10 @@ struct Dual {
     const double root = std::sqrt(a.value);
     return scaled(root, 0.5 / root, a);
   }
+  friend Dual atan2(const Dual& y, const Dual& x) {
+    const double r2 = x.value * x.value + y.value * y.value;
+    return combined(std::atan2(y.value, x.value), x.value / r2, y, -y.value / r2, x);
+  }
   /// By the values: away from a = b the derivatives of these are those of x or y.
   friend constexpr Dual larger(const Dual& a, const Dual& b) { return a.value > b.value ? a : b; }
   friend constexpr Dual where_greater(const Dual& a, const Dual& b, const Dual& x, const Dual& y) {

@@ -62,6 +62,11 @@ struct Pack {
     for (std::size_t l = 0; l < W; ++l) root[l] = __builtin_sqrt(a.v[l]);
     return Pack(root);
   }
+  friend VBOND_HD Pack atan2(const Pack& y, const Pack& x) {
+    Native angle;
+    for (std::size_t l = 0; l < W; ++l) angle[l] = __builtin_atan2(y.v[l], x.v[l]);
+    return Pack(angle);
+  }
 };
 
 /// One stage of a transposition: exchanges the blocks of S x S numbers that lie off the diagonal in two rows.

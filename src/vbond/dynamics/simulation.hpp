@@ -199,6 +199,7 @@ class Simulation final : public BodyView, private MotionHost {
   void arrange_bonds() override;
   void make_bonds();
   bool break_bonds();
+  void add_joints_that_part(std::vector<BondId>& broken) const;
   Broken broken_now(BondId bond);
   Contacts::Touch touch_of_unbonded(const Bond& bond);
   void leave_faces(const Bond& bond, const BondPose<double>& pose, Broken& broken);

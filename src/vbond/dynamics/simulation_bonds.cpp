@@ -127,7 +127,7 @@ bool Simulation::break_bonds() {
   }
   broken = exchange_.gather(broken);
   if (broken.empty()) return false;
-  std::sort(broken.begin(), broken.end());
+  add_joints_that_part(broken);
   std::vector<Broken> records;
   for (const BondId k : broken)
     if (const Broken record = broken_now(k); bodies_.order.has(state_.bonds[k].i)) records.push_back(record);
@@ -142,6 +142,21 @@ bool Simulation::break_bonds() {
   if (bonds_.remembers()) bonds_.collect(state_.bond_history);
   arrange_bonds();
   return true;
+}
+
+/// Sorts what breaks, with the other cracked cells of joints of which one parts: their spheres touch from now
+/// on.
+void Simulation::add_joints_that_part(std::vector<BondId>& broken) const {
+  for (std::size_t k = 0, first = broken.size(); k < first; ++k) {
+    const Bond& parts = state_.bonds[broken[k]];
+    if (!is_cracked(parts)) continue;
+    for (const BondIndex::Entry& e : bond_index_.of(parts.i))
+      if (const Bond& b = state_.bonds[e.bond]; is_cracked(b) && b.set == parts.set && b.i == parts.i &&
+                                                b.j == parts.j && b.image_j == parts.image_j)
+        broken.push_back(e.bond);
+  }
+  std::sort(broken.begin(), broken.end());
+  broken.erase(std::unique(broken.begin(), broken.end()), broken.end());
 }
 
 /// Bonds have broken: their capsules are gone, and what was bonded may touch.

@@ -54,6 +54,10 @@ std::vector<BondEvent> drop(const std::vector<ParticleId>& particles, State& s) 
   for (const BondId k : s.bonds.ids()) {
     Bond& b = s.bonds[k];
     if (b.broken || (goes[b.i] == 0 && goes[b.j] == 0)) continue;
+    if (is_cracked(b)) {  // it has broken before
+      b.broken = true;
+      continue;
+    }
     broken.push_back(breaking_event(b, k, s.clock.step, s.r[b.i], bond_pose(b, s), history_of_bond(s, k)));
     broken.back().cause = {};  // not by its loads
     b.broken = true;

@@ -176,7 +176,9 @@ const std::vector<GroupQuantity>& of_groups() {
        }},
       {"axial_force",
        "GROUP",
-       {{"", unit::force, "mean of F.d over the bonds with both ends in the group; tension is positive"}},
+       {{"", unit::force,
+         "mean of F.d over the bonds with both ends in the group, each cell of a flat joint for itself; "
+         "tension is positive"}},
        names_of<&OutputPlan::axial_force>,
        [](const Values& v, std::size_t k, std::vector<Cell>& to) { to.emplace_back(v.axial_force[k]); }},
       {"displacement",

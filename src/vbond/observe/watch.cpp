@@ -114,7 +114,7 @@ std::vector<Overlap> new_overlaps(const Model& m, const State& s, double part) {
   if (found.empty()) return found;
   std::set<std::tuple<ParticleId, ParticleId, Image>> bonded;  // seen from either end
   for (const Bond& b : s.bonds)
-    if (!b.broken) bonded.insert({b.i, b.j, b.image_j}), bonded.insert({b.j, b.i, -b.image_j});
+    if (!has_failed(b)) bonded.insert({b.i, b.j, b.image_j}), bonded.insert({b.j, b.i, -b.image_j});
   const std::vector<char> of_fibre = particles_of_fibres(m.particles(), s.bonds);  // looked at as capsules
   found.erase(std::remove_if(found.begin(), found.end(),
                              [&](const Overlap& o) {
@@ -226,6 +226,26 @@ void Watch::look(const BodyView& body, const std::function<std::string()>& suspe
   look(
       body.survey(), body.balance_error(), [&body]() -> const State& { return body.state(); },
       [at_rest](const Clock& clock) { return at_rest ? load_factor_of(*at_rest) : time_of(clock); }, suspect);
+  look_at_handover(body);
+}
+
+/// Faces of flat joints that part leave spheres that may overlap far more than the faces were pressed. Told
+/// once.
+void Watch::look_at_handover(const BodyView& body) {
+  constexpr double much = 0.05;  // of the energy in the body
+  const double gained = -body.books().released;
+  if (told_handover_ || !(gained > 0.0)) return;
+  const double energy = body.energies().total();
+  if (!(gained > much * energy)) return;
+  const PerBond<Bond>& bonds = body.state().bonds;
+  const auto parted = [](const Bond& b) { return b.broken && b.law->crack != nullptr; };
+  if (std::none_of(bonds.begin(), bonds.end(), parted)) return;
+  told_handover_ = true;
+  if (tell_)
+    tell_(fmt::format(
+        "{}: breaking has brought in {:.4g} of energy, where there is {:.4g}: faces of flat joints have "
+        "parted, and their spheres, which overlap, now push each other apart",
+        time_of(body.clock()), gained, energy));
 }
 
 void Watch::look_at_overlaps(const BodyView& body, double part) {

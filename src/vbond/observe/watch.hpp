@@ -114,6 +114,7 @@ class Watch {
   void look(const Survey& survey, double balance_error, const CollectState& state,
             const std::function<std::string(const Clock&)>& when,
             const std::function<std::string()>& suspect);
+  void look_at_handover(const BodyView& body);
   void look_at_bond(BondId k, const State& state, const std::string& when);
   void look_at_overlaps(const Model& model, const State& state, double part, const std::string& when);
   void report_overlap(const Model& model, ParticleId i, ParticleId j, double depth, const std::string& when);
@@ -123,6 +124,7 @@ class Watch {
   double energy_error_;
   Tell tell_;
   WatchRecord record_;
+  bool told_handover_ = false;
   std::int64_t untold_strained_ = 0, untold_snapped_ = 0, untold_shortened_ = 0;
   std::int64_t untold_stretched_ = 0, untold_overlapping_ = 0, untold_in_walls_ = 0;
 };

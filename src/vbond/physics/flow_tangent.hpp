@@ -91,7 +91,8 @@ requires RubbingLaw<Law<double>> BondLoads<D> loads_after_flow(const Law<double>
                                                                const BondPose<double>& /*pose*/,
                                                                const BondPose<D>& b,
                                                                const LawHistory<Law<double>>& before) {
-  const Law<D> m = with_scalar<D>(law);
+  Law<D> m = with_scalar<D>(law);
+  m.off_2 = D(law.off_2), m.off_3 = D(law.off_3);
   const BondAxis<D> axis = bond_axis(m, b);
   LawHistory<Law<D>> h;
   for (std::size_t k = 0; k < rubbed::count; ++k) h.value[k] = D(before.value[k]);

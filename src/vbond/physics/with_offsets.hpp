@@ -45,7 +45,16 @@ struct WithOffsets {
       return law;
     }
 
-    VBOND_HD constexpr const Centred& centred() const { return *this; }
+    /// The inner law; of one whose faces turn about a middle, with where that is.
+    VBOND_HD constexpr decltype(auto) centred() const {
+      if constexpr (requires(Centred c) { c.off_2; }) {
+        Centred c = *this;
+        c.off_2 = T(0.5) * (o_i2 + o_j2), c.off_3 = T(0.5) * (o_i3 + o_j3);
+        return c;
+      } else {
+        return static_cast<const Centred&>(*this);
+      }
+    }
     VBOND_HD Vec3<T> offset_i(const BondPose<T>& b) const { return o_i2 * b.n_i[1] + o_i3 * b.n_i[2]; }
     VBOND_HD Vec3<T> offset_j(const BondPose<T>& b) const { return o_j2 * b.n_j[1] + o_j3 * b.n_j[2]; }
     /// The pose between the ends of the offsets, which stand for the centres there.

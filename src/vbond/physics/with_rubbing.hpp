@@ -28,6 +28,8 @@ struct WithRubbing {
   template <Scalar T>
   struct Law : WithRules<ElasticLaw>::template Law<T> {
     using Inner = typename WithRules<ElasticLaw>::template Law<T>;
+    T off_2 = T(0.0),
+      off_3 = T(0.0);  ///< of the bonded points from the middle of the faces: WithOffsets knows
     static constexpr std::string_view name = joined_name<ElasticLaw<T>::name, name_with_rubbing>;
     static constexpr auto fields() {
       constexpr auto inner = Inner::fields();
@@ -54,36 +56,44 @@ concept RubbingLaw = HasRules<Law> && Remembering<Law> && !OffsetLaw<Law> && req
   law.intact();
 };
 
-/// The two faces of a cracked bond as they stand: n is the mean of their normals, of length 1, e_2 and e_3
-/// the means of the axes n_2 and n_3 of both ends.
+/// The two faces of a cracked bond as they stand: n is the mean of their normals. t_2 and t_3, in which slip
+/// is counted, lie in the plane across it: t_2 halves the angle between the axes n_2 of both ends as they are
+/// seen along n. All three have length 1. Below 180 degrees of twist, where t_2 has no direction, these
+/// follow it.
 template <Scalar T>
 struct Faces {
   Vec3<T> D;  ///< between the bonded points  [length]
-  Vec3<T> n, e_2, e_3;
-  T sum;  ///< length of n_i1 - n_j1
-  T gap;  ///< D.n - a: how far they stand open; < 0: how deep they are pressed  [length]
+  Vec3<T> n, t_2, t_3;
+  Vec3<T> turns_i, turns_j;  ///< how the axis n_2 of each end turns about n with where its tip goes
+  T sum;                     ///< length of n_i1 - n_j1
+  T cos_half;                ///< of half the twist
+  T arc;                     ///< by how much the twist is more than its chord, 2 sin(twist/2)
+  T gap;                     ///< D.n - a: how far they stand open; < 0: how deep they are pressed  [length]
 
   VBOND_HD Vec3<T> along_faces(const Vec3<T>& v) const { return v - dot(v, n) * n; }
-  /// Of a vector in the plane of the faces, its parts along e_2 and e_3.
-  VBOND_HD void parts_of(const Vec3<T>& v, T& of_2, T& of_3) const {
-    const Vec3<T> t_2 = along_faces(e_2), t_3 = along_faces(e_3);
-    const T g_22 = norm2(t_2), g_23 = dot(t_2, t_3), g_33 = norm2(t_3), v_2 = dot(v, t_2), v_3 = dot(v, t_3),
-            per_det = T(1.0) / (g_22 * g_33 - g_23 * g_23);
-    of_2 = per_det * (g_33 * v_2 - g_23 * v_3);
-    of_3 = per_det * (g_22 * v_3 - g_23 * v_2);
-  }
 };
 
-template <Scalar T>
-VBOND_HD Faces<T> faces_of(const BondPose<T>& b, const Vec3<T>& D, const T& a) {
+template <class Law, Scalar T>
+VBOND_HD Faces<T> faces_of(const Law& m, const BondPose<T>& b, const Vec3<T>& D) {
+  using std::atan2, std::sqrt;
   const Vec3<T> n = b.n_i[0] - b.n_j[0];
   Faces<T> f;
   f.D = D;
   f.sum = norm(n);
   f.n = n / f.sum;
-  f.e_2 = T(0.5) * (b.n_i[1] + b.n_j[1]);
-  f.e_3 = T(0.5) * (b.n_i[2] + b.n_j[2]);
-  f.gap = dot(D, f.n) - a;
+  const Vec3<T> seen_i = f.along_faces(b.n_i[1]), seen_j = f.along_faces(b.n_j[1]);
+  const T size_i = norm(seen_i), size_j = norm(seen_j);
+  const Vec3<T> of_i = seen_i / size_i, of_j = seen_j / size_j;
+  f.turns_i = cross(f.n, of_i) / size_i, f.turns_j = cross(f.n, of_j) / size_j;
+  const Vec3<T> both = of_i + of_j;
+  const T length2 = norm2(both), one(1.0);
+  const T safe2 = where_greater(length2, T(0.0), length2, one), length = sqrt(safe2);  // opposite: any
+  f.t_2 = both / length;
+  f.t_3 = cross(f.n, f.t_2);
+  f.cos_half = dot(of_j, f.t_2);
+  const T sin_half = dot(of_j, f.t_3);
+  f.arc = T(2.0) * (atan2(sin_half, where_greater(length2, T(0.0), f.cos_half, one)) - sin_half);
+  f.gap = dot(D, f.n) - m.a;
   return f;
 }
 
@@ -91,14 +101,15 @@ VBOND_HD Faces<T> faces_of(const BondPose<T>& b, const Vec3<T>& D, const T& a) {
 template <RubbingLaw Law, Scalar T>
 struct FaceForces {
   BondStiffness<T> c;
-  Vec3<T> past_slip;  ///< D less the slip
-  Vec3<T> shift;      ///< elastic, along the faces  [length]
-  T pressed;          ///< the gap where it is < 0, else 0
+  T s_2, s_3;  ///< slip along t_2 and t_3, less the arc of the cell about the joint's centre over its chord
+  Vec3<T> shift;  ///< elastic, along the faces  [length]
+  T pressed;      ///< the gap where it is < 0, else 0
 
   VBOND_HD FaceForces(const Law& m, const Faces<T>& f, const LawHistory<Law>& h)
       : c(stiffness(m)),
-        past_slip(f.D - h.value[rubbed::slip] * f.e_2 - h.value[rubbed::slip + 1] * f.e_3),
-        shift(f.along_faces(past_slip)),
+        s_2(h.value[rubbed::slip] + f.arc * m.off_3),
+        s_3(h.value[rubbed::slip + 1] - f.arc * m.off_2),
+        shift(f.along_faces(f.D) - s_2 * f.t_2 - s_3 * f.t_3),
         pressed(where_greater(T(0.0), f.gap, f.gap, T(0.0))) {}
   VBOND_HD T N() const { return c.c_A * pressed; }      ///< <= 0
   VBOND_HD Vec3<T> Q() const { return c.c_D * shift; }  ///< shear force on i
@@ -107,7 +118,7 @@ struct FaceForces {
 template <RubbingLaw Law, Scalar T>
 VBOND_HD BondEnergy<T> face_energy(const Law& m, const BondPose<T>& b, const Vec3<T>& D,
                                    const LawHistory<Law>& h) {
-  const FaceForces<Law, T> at(m, faces_of(b, D, m.a), h);
+  const FaceForces<Law, T> at(m, faces_of(m, b, D), h);
   return {T(0.5) * at.c.c_A * sq(at.pressed), T(0.5) * at.c.c_D * norm2(at.shift), T(0.0)};
 }
 
@@ -116,16 +127,21 @@ VBOND_HD BondEnergy<T> face_energy(const Law& m, const BondPose<T>& b, const Vec
 template <RubbingLaw Law, Scalar T>
 VBOND_HD BondLoads<T> face_loads(const Law& m, const BondPose<T>& b, const Vec3<T>& D,
                                  const LawHistory<Law>& h) {
-  const Faces<T> f = faces_of(b, D, m.a);
+  const Faces<T> f = faces_of(m, b, D);
   const FaceForces<Law, T> at(m, f, h);
-  const T N = at.N();
+  const T N = at.N(), half(0.5), one(1.0);
   const Vec3<T> Q = at.Q(), F = N * f.n + Q;
-  // dU = F.dD + g.dn - Q.d(slip); n = (n_i1 - n_j1)/sum, so that only what is normal to n counts
-  const Vec3<T> g = (T(1.0) / f.sum) * f.along_faces(N * f.D - dot(at.past_slip, f.n) * Q);
-  const T s_2 = T(0.5) * h.value[rubbed::slip], s_3 = T(0.5) * h.value[rubbed::slip + 1];
-  const auto of_slip = [&](const Vec3<T>(&n)[3]) { return cross(s_2 * n[1] + s_3 * n[2], Q); };
-  return {F, cross(b.n_i[0], m.R_i * F - g) + of_slip(b.n_i),
-          of_slip(b.n_j) - cross(b.n_j[0], m.R_j * F - g)};
+  // dU = F.dD + g.dn + A_i da_i + A_j da_j with the angles a of both axes n_2 about n: t_2 turns by half
+  // their sum, and the twist is their difference. da = turns.(dn_2 - (n_2.n) dn).
+  const T Q_2 = dot(Q, f.t_2), Q_3 = dot(Q, f.t_3);
+  const T turned = half * (at.s_2 * Q_3 - at.s_3 * Q_2),
+          twisted = (one - f.cos_half) * (m.off_3 * Q_2 - m.off_2 * Q_3);
+  const Vec3<T> A_i = (twisted - turned) * f.turns_i, A_j = -(twisted + turned) * f.turns_j;
+  // n = (n_i1 - n_j1)/sum, so that only what is normal to n counts
+  const Vec3<T> of_n = N * f.D - dot(f.D, f.n) * Q - dot(b.n_i[1], f.n) * A_i - dot(b.n_j[1], f.n) * A_j;
+  const Vec3<T> g = f.along_faces(of_n) / f.sum;
+  return {F, cross(b.n_i[0], m.R_i * F - g) - cross(b.n_i[1], A_i),
+          -cross(b.n_j[0], m.R_j * F - g) - cross(b.n_j[1], A_j)};
 }
 
 /// Numbers of cracked bonds where they are, else of intact ones.
@@ -201,16 +217,14 @@ VBOND_HD LawHistory<Law> advance(const Law& m, const BondPose<T>& b, const BondA
   if (!any_cracked<Law>(before)) return before;
   LawHistory<Law> h = before;
   const T zero(0.0), one(1.0);
-  const Faces<T> f = faces_of(b, axis.D * axis.d, m.a);
+  const Faces<T> f = faces_of(m, b, axis.D * axis.d);
   const FaceForces<Law, T> at(m, f, before);
   const T limit = T(-m.rules->rubbing.friction) * at.N(), limit2 = sq(limit), Q2 = norm2(at.Q());
   const T held = where_greater(Q2, limit2, limit / sqrt(where_greater(Q2, limit2, Q2, one)), one);
   const T kept = where_greater(zero, f.gap, held, zero);  // of the shift, which is elastic
   const Vec3<T> slid = (one - kept) * at.shift, Q = kept * at.Q();
-  const Vec3<T> Q_before = h.value[rubbed::shear] * f.e_2 + h.value[rubbed::shear + 1] * f.e_3;
-  T slip[2], shear[2];
-  f.parts_of(slid, slip[0], slip[1]);
-  f.parts_of(Q, shear[0], shear[1]);
+  const Vec3<T> Q_before = h.value[rubbed::shear] * f.t_2 + h.value[rubbed::shear + 1] * f.t_3;
+  const T slip[2] = {dot(slid, f.t_2), dot(slid, f.t_3)}, shear[2] = {dot(Q, f.t_2), dot(Q, f.t_3)};
   for (std::size_t k = 0; k < 2; ++k) {
     h.value[rubbed::slip + k] =
         where_cracked<Law>(before, before.value[rubbed::slip + k] + slip[k], before.value[rubbed::slip + k]);
@@ -243,13 +257,16 @@ VBOND_HD Failure<T> bond_failure(const Law& m, const BondPose<T>& b, const BondA
     *share = where_cracked<Law>(h, zero, *share);
   return f;
 }
-/// Of a cracked bond, how far its bonded points have moved from where they were at rest, as a part of the
-/// reach of its faces: at 1 these have left each other.
+/// Of a cracked bond, how far the middles of the faces of its joint have moved along these, or stand open, as
+/// a part of the reach, squared: at 1 the faces have left each other. How they turn, and how deep they are
+/// pressed, does not part them, and all cells of a joint tell the same.
 template <RubbingLaw Law, Scalar T>
 VBOND_HD T parting(const Law& m, const BondPose<T>& b, const BondAxis<T>& axis) {
-  const Faces<T> f = faces_of(b, axis.D * axis.d, m.a);
-  const T reach2 = T(sq(m.rules->rubbing.reach)) * own_radius2(stiffness(m));
-  return norm2(f.D - m.a * f.n) / where_greater(reach2, T(0.0), reach2, T(1.0));
+  const Vec3<T> D = axis.D * axis.d - m.off_2 * (b.n_j[1] - b.n_i[1]) - m.off_3 * (b.n_j[2] - b.n_i[2]);
+  const Faces<T> f = faces_of(m, b, D);
+  const T reach2 = T(sq(m.rules->rubbing.reach)) * own_radius2(stiffness(m)), zero(0.0);
+  const T moved2 = norm2(f.along_faces(D)) + sq(where_greater(f.gap, zero, f.gap, zero));
+  return moved2 / where_greater(reach2, zero, reach2, T(1.0));
 }
 /// At 1 an intact bond cracks, and the faces of a cracked one part.
 template <RubbingLaw Law, Scalar T>
@@ -266,7 +283,7 @@ VBOND_HD BondPose<T> elastic_pose(const Law& m, const BondPose<T>& b, const LawH
   BondPose<T> p = b;
   p.r_ij = bonded_points(b, m.R_i, m.R_j);
   if (!any_cracked<Law>(h)) return p;
-  const Faces<T> f = faces_of(b, p.r_ij, m.a);
+  const Faces<T> f = faces_of(m, b, p.r_ij);
   p.r_ij = where_cracked<Law>(h, m.a * f.n, p.r_ij);
   return p;
 }

@@ -21,7 +21,7 @@ std::string sum(const std::vector<double>& terms, double scale) {
   std::string text;
   double all = 0.0;
   for (const double term : terms) {
-    text += fmt::format("{}{:.4g}", text.empty() ? "" : " + ", term * scale);
+    text += fmt::format("{}{:.4g}", text.empty() ? "" : " + ", term * scale + 0.0);  // no -0
     all += term * scale;
   }
   return text + fmt::format(" = {:.4g}", all);

@@ -242,7 +242,15 @@ std::vector<std::string> notes_on_prestrain(const Case& c, const Model& model, c
 }
 
 std::optional<double> first_c_A(const Case& c, const Model& model, const State& state) {
-  if (!state.bonds.empty()) return stiffness_of(state.bonds[BondId{0}]).c_A;
+  if (!state.bonds.empty()) {
+    const Bond& first = state.bonds[BondId{0}];
+    const FlatJoint& joint = c.bonds.size() > first.set ? c.bonds[first.set].recipe.flat_joint : FlatJoint{};
+    if (!joint.any()) return stiffness_of(first).c_A;
+    double c_A = 0.0;  // of the whole section: its cells follow one another
+    for (std::size_t k = 0; k < std::min(joint_cells(joint).size(), state.bonds.size()); ++k)
+      c_A += stiffness_of(state.bonds[BondId{k}]).c_A;
+    return c_A;
+  }
   if (c.bonds.empty() || model.particles() == 0) return std::nullopt;
   const BondSpec& spec = c.bonds.front();
   double distance = 1.0;

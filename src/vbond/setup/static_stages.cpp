@@ -31,6 +31,18 @@ void check_something_is_free(const StageResolver& resolver, const std::vector<Su
       "paths, critical loads and modes are of degrees of freedom that are free", "take something out of fix");
 }
 
+/// Faces without friction hold nothing along themselves: what they carry is no sign that a body is held.
+void refuse_smooth_joints(const Case& c, const StageSpec& spec, Problems& problems) {
+  for (const BondSpec& set : c.bonds)
+    if (const Rubbing& rubbing = set.recipe.rules.rubbing; rubbing.any() && rubbing.friction == 0.0)
+      problems.add(set.place, fmt::format("bonds \"{}\": flat_joint.friction = 0", set.name),
+                   fmt::format("stage \"{}\" is at rest: grains slide freely along cracked faces without "
+                               "friction, so that no balance could be told from none",
+                               spec.name),
+                   "use friction > 0, or stages of dynamics, or leave friction out: broken cells then carry "
+                   "nothing");
+}
+
 }  // namespace
 
 StaticStage resolve_static_stage(const Case& c, const Model& model, std::size_t k, Problems& problems) {
@@ -42,6 +54,7 @@ StaticStage resolve_static_stage(const Case& c, const Model& model, std::size_t 
   stage.gravity = spec.gravity;
   stage.constant_gravity = spec.constant_gravity;
   refuse_contacts(resolver);
+  refuse_smooth_joints(c, spec, problems);
   check_stage_of_sources(spec, model, problems);
   stage.supports = resolver.supports();
   resolve_terms(resolver, stage);

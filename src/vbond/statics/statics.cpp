@@ -47,6 +47,13 @@ void refuse_bonds_that_remember(const StaticStage& stage, const State& state) {
           fmt::format("{} is of the law \"{}\", which remembers its past: its loads have no potential", bond,
                       b.law->name),
           "bring the body to rest in a stage of dynamics, with damping");
+    if (b.law->crack != nullptr && b.rules->rubbing.friction == 0.0)
+      throw NoEquilibrium(
+          stage.name,
+          fmt::format("{} has no friction once it has cracked: its grains slide freely then, and "
+                      "no balance could be told from none",
+                      bond),
+          "use friction > 0, or a stage of dynamics");
     if (yields_or_softens(b) && (stage.kind == StageKind::path || stage.kind == StageKind::buckling))
       throw NoEquilibrium(stage.name,
                           fmt::format("{} {}: a {} goes back and forth, which such a bond does not", bond,
