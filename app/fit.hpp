@@ -50,19 +50,20 @@ struct FitFiles {
 /// would not find its files from there.
 FitFiles fit_files(const FitOptions& options, const fit::Task& task);
 
-/// What the runs of a fit depend on, in one line: they are of use for no other.
-std::string definition_of(const fit::Task& task);
+/// What the runs of a fit depend on, in one line: they are of use for no other. derivatives: see FitOptions.
+std::string definition_of(const fit::Task& task, const std::string& derivatives);
 
 /// The runs that an earlier try has left in NAME.runs.csv. None if there is no such file. Throws
 /// std::invalid_argument if they are of another fit, IoError for a line that is no run.
-std::vector<fit::Tried> read_runs(const std::filesystem::path& runs, const fit::Task& task);
+std::vector<fit::Tried> read_runs(const std::filesystem::path& runs, const fit::Task& task,
+                                  const std::string& derivatives);
 /// The first lines of that file, and a line for a run.
-std::string header_of_runs(const fit::Task& task);
+std::string header_of_runs(const fit::Task& task, const std::string& derivatives);
 std::string line_of(const fit::Tried& run);
 
 /// NAME.json and NAME.csv, and the JSON of NAME.html (web/FORMAT.md).
 std::string fit_as_json(const fit::Task& task, const fit::Result& result);
 std::string fit_as_csv(const fit::Task& task, const fit::Result& result);
-std::string fit_for_page(const fit::Task& task, const fit::Result& result);
+std::string fit_for_page(const fit::Task& task, const std::string& derivatives, const fit::Result& result);
 
 }  // namespace vbond::app

@@ -118,16 +118,25 @@ void say_derivatives(const fit::Task& task, const fit::Result& r) {
   double off = 0;
   for (std::size_t j = 0; j < r.values.size(); ++j) {
     const fit::Derivative& d = r.found.derivatives[j];
-    if (d.exact)
-      exact.push_back(task.varied[j].key), off = std::max(off, d.off);
+    const std::string& key = task.varied[j].key;
+    if (d.exact && std::isnan(d.off))
+      say(printable(fmt::format(
+          "derivatives with {} by the tangents of balances: no effect at the start, by differences too\n",
+          key)));
+    else if (d.exact)
+      exact.push_back(key), off = std::max(off, d.off);
     else if (!d.why_not.empty())
-      say(printable(fmt::format("derivatives with {} by differences: {}{}\n", task.varied[j].key, d.why_not,
-                                std::isnan(d.off) ? "" : fmt::format(", {:.2g} off", d.off))));
+      say(printable(fmt::format("derivatives with {} by differences: {}\n", key, d.why_not)));
   }
   if (!exact.empty())
     say(printable(fmt::format(
         "derivatives with {} by the tangents of balances, at the start {:.1g} off from differences\n",
         fmt::join(exact, ", "), off)));
+  for (std::size_t j = 0; j < r.values.size(); ++j)
+    if (const fit::Derivative& d = r.found.derivatives[j]; d.fell_back > 0)
+      say(printable(
+          fmt::format("    with {} by differences {} of {} times, {}: {}\n", task.varied[j].key, d.fell_back,
+                      d.times, d.last_exact ? "not the last time" : "the last among them", d.fell_back_why)));
 }
 
 void say_quality(const fit::Task& task, const fit::Result& r) {
@@ -198,7 +207,7 @@ int fit(const FitOptions& o) {
   const FitFiles files = fit_files(o, task);
   const std::string html = o.report ? page_template() : std::string();  // refuses before the first run
   fit::Options options;
-  options.known = read_runs(files.runs, task);
+  options.known = read_runs(files.runs, task, o.derivatives);
   options.threads = o.threads;
   options.search.most_iterations = o.iterations, options.search.difference = o.difference;
   options.search.exact = o.derivatives == "automatic";
@@ -207,7 +216,7 @@ int fit(const FitOptions& o) {
     if (i.number == 0) say_heading(task);
     say_iteration(task, i);
   };
-  RunsFile runs(files.runs, header_of_runs(task), options.known);
+  RunsFile runs(files.runs, header_of_runs(task, o.derivatives), options.known);
   options.keep = [&runs](const fit::Tried& run) { runs.append(run); };
   catch_signals();
 
@@ -229,7 +238,7 @@ int fit(const FitOptions& o) {
   say(fmt::format("fitted case in {}, curves and residuals in {}, all of the result in {}\n",
                   files.fitted.string(), files.curves.string(), files.result.string()));
   if (o.report) {
-    replace_file(files.page, page::fit_page(html, fit_for_page(task, *result)), Sync::none);
+    replace_file(files.page, page::fit_page(html, fit_for_page(task, o.derivatives, *result)), Sync::none);
     say("report in " + files.page.string() + "\n");
   }
   if (result->found.end == fit::SearchEnd::interrupted) {

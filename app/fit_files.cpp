@@ -65,15 +65,20 @@ Json value_as_json(const fit::Varied& varied, const fit::FoundValue& v, const fi
   j["held_by_failed_runs"] = v.held;
   j["at_bound"] = v.at_low ? Json("lower") : v.at_high ? Json("upper") : Json();
   j["tried"] = {v.least_tried, v.largest_tried};
-  j["derivative"] = d.exact ? "tangent" : "differences";
+  j["derivative"] = d.last_exact ? "tangent" : "differences";  // the last one
+  j["derivatives"] = {{"times", d.times}, {"by_differences", d.exact ? d.fell_back : d.times}};
   if (!std::isnan(d.off)) j["off_from_differences"] = d.off;
   if (!d.exact) j["why_differences"] = d.why_not;
+  if (d.fell_back > 0) j["why_differences"] = d.fell_back_why;
   return j;
 }
 
 }  // namespace
 
-std::string definition_of(const fit::Task& task) {
+namespace {
+
+/// Of what the runs of a fit depend on.
+std::string fingerprint_of(const fit::Task& task, const std::string& derivatives) {
   Fingerprint all;
   all.add(VBOND_VERSION);
   all.add(task.case_text.text);
@@ -86,8 +91,20 @@ std::string definition_of(const fit::Task& task) {
   for (const fit::Varied& v : task.varied)
     all.add(fmt::format("{} {} {} {}", v.key, v.searched.low, v.searched.high, v.searched.logarithmic));
   all.add(task.stage.value_or(""));
+  all.add(derivatives);  // runs without slopes are no runs of a fit that takes them
+  return all.text();
+}
+
+/// How a page says of which fit it is: it stands in the JSON of no other.
+std::string mark_of_page(const fit::Task& task, const std::string& derivatives) {
+  return "\"fingerprint\":\"" + fingerprint_of(task, derivatives) + "\"";
+}
+
+}  // namespace
+
+std::string definition_of(const fit::Task& task, const std::string& derivatives) {
   return "# runs of vbond fit " VBOND_VERSION ", of case, data, columns and bounds with fingerprint " +
-         all.text();
+         fingerprint_of(task, derivatives);
 }
 
 FitFiles fit_files(const FitOptions& options, const fit::Task& task) {
@@ -105,12 +122,17 @@ FitFiles fit_files(const FitOptions& options, const fit::Task& task) {
       if (fs::exists(written) && fs::equivalent(read, written))
         throw std::invalid_argument(written.string() +
                                     " would be replaced\n  give another name with -o NAME.toml");
+  const auto refuse = [](const fs::path& written) {
+    throw std::invalid_argument(written.string() +
+                                " is there already, and not of this fit\n  give another name "
+                                "with -o NAME.toml, or remove it");
+  };
   if (!fs::exists(files.runs))
-    for (const fs::path& written : {files.fitted, files.result, files.curves, files.page})
-      if (fs::exists(written) && (written != files.page || options.report))
-        throw std::invalid_argument(written.string() +
-                                    " is there already, and not of this fit\n  give another name "
-                                    "with -o NAME.toml, or remove it");
+    for (const fs::path& written : {files.fitted, files.result, files.curves})
+      if (fs::exists(written)) refuse(written);
+  if (options.report && fs::exists(files.page) &&
+      read_file(files.page).find(mark_of_page(task, options.derivatives)) == std::string::npos)
+    refuse(files.page);
   Case here = parse_case(task.case_text.text, task.case_text.file),
        there = parse_case(task.case_text.text, fitted);
   const auto before = files_of(here), after = files_of(there);
@@ -123,12 +145,12 @@ FitFiles fit_files(const FitOptions& options, const fit::Task& task) {
   return files;
 }
 
-std::string header_of_runs(const fit::Task& task) {
+std::string header_of_runs(const fit::Task& task, const std::string& derivatives) {
   std::vector<std::string> cells;
   for (const fit::Varied& v : task.varied) cells.push_back(csv_quoted(v.key));
   cells.insert(cells.end(),
                {"ended", "reason", "curve at each point of the data, then slopes of each value"});
-  return definition_of(task) + "\n" + csv_line(cells);
+  return definition_of(task, derivatives) + "\n" + csv_line(cells);
 }
 
 std::string line_of(const fit::Tried& run) {
@@ -146,16 +168,17 @@ std::string line_of(const fit::Tried& run) {
   return csv_line(cells);
 }
 
-std::vector<fit::Tried> read_runs(const fs::path& runs, const fit::Task& task) {
+std::vector<fit::Tried> read_runs(const fs::path& runs, const fit::Task& task,
+                                  const std::string& derivatives) {
   std::vector<fit::Tried> known;
   if (!fs::exists(runs)) return known;
   LineReader lines(runs);
   const auto first = lines.next();
-  if (!first || *first != definition_of(task))
-    throw std::invalid_argument(
-        runs.string() +
-        " has runs of another fit: of another case, data, columns, bounds, sigma or version\n  give another "
-        "name with -o NAME.toml, or remove it");
+  if (!first || *first != definition_of(task, derivatives))
+    throw std::invalid_argument(runs.string() +
+                                " has runs of another fit: of another case, data, columns, bounds, sigma, "
+                                "derivatives or version\n  give another "
+                                "name with -o NAME.toml, or remove it");
   lines.next();
   const std::size_t n = task.varied.size();
   while (const auto line = lines.next()) {
@@ -239,8 +262,9 @@ std::string fit_as_json(const fit::Task& task, const fit::Result& r) {
   return all_as_json(task, r).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-std::string fit_for_page(const fit::Task& task, const fit::Result& r) {
+std::string fit_for_page(const fit::Task& task, const std::string& derivatives, const fit::Result& r) {
   Json j = all_as_json(task, r);
+  j["fingerprint"] = fingerprint_of(task, derivatives);
   const Case c = parse_case(task.case_text.text, task.case_text.file);
   j["title"] = c.title, j["stages"] = Json::array();
   for (const StageSpec& stage : c.stages) j["stages"].push_back(stage.name);

@@ -121,7 +121,7 @@ def test_refused_with_nothing_written(work, more, how, told):
 def test_units_of_another_dimension(work):
     data = write("force.csv", DATA.read_text().replace("[mm]", "[N]"))
     fit(*VARY, "--x", "load_factor", "--compare", "displacement.last.z=deflection [N]", data=data, status=2,
-        err=['force.csv:2:1: column "deflection [N]"', "of another dimension", "give it in [m]"])
+        err=['force.csv:2:13: column "deflection [N]"', "of another dimension", "give it in [m]"])
 
 
 def test_threads_give_the_same_bits(fitted):
@@ -216,6 +216,38 @@ def test_page(work):
     Path("alone.html").write_text("mine")
     fit(*VARY, *ALONG, "--report", "-o", "alone.toml", status=2, err="alone.html is there already")
     assert Path("alone.html").read_text() == "mine"
+
+
+def test_runs_with_other_derivatives_are_of_another_fit(work):
+    fit(*VARY, *ALONG, "--derivatives", "differences", "--iterations", "1", "-o", "other.toml", status=(0, 1))
+    fit(*VARY, *ALONG, "-o", "other.toml", status=2, err=["has runs of another fit", "derivatives"])
+
+
+def test_page_of_others_beside_runs_stays(work):
+    fit(*VARY, *ALONG, "--iterations", "1", "-o", "own.toml", status=(0, 1))
+    Path("own.html").write_text("mine")
+    fit(*VARY, *ALONG, "--iterations", "1", "--report", "-o", "own.toml", status=2, err="own.html is there already")
+    assert Path("own.html").read_text() == "mine"
+    Path("own.html").unlink()
+    for _ in range(2):  # its own page is replaced
+        fit(*VARY, *ALONG, "--iterations", "1", "--report", "-o", "own.toml", status=(0, 1), out="report in own.html")
+
+
+def test_columns_of_walls_go_by_differences(work):
+    # their slopes came out as 0
+    wall = ('[contact]\nlaw = "linear"\nk = 0.05\n[[wall]]\nname = "w"\nshape = "plane"\npoint = [0, 2.2, 0]\nnormal = [0, -1, 0]\n')
+    case = write("wall.toml", '[units]\nsystem = "reduced"\n[[specimen]]\nname = "rod"\nkind = "rod"\nparticles = 7\nspacing = 1.0\n'
+                 'radius = 0.45\nmass = 1.0\n[[bonds]]\nname = "b"\ndistance = 1.1\ntheory = "timoshenko"\nE = 8.0\nnu = 0.2\n'
+                 'section = {shape = "circle", diameter = 0.4}\n' + wall + '[[stage]]\nname = "s"\nkind = "equilibrium"\nsteps = 10\n'
+                 'supports = [{group = "first", fix = ["x", "y", "z", "rx", "ry", "rz"]}]\n'
+                 'loads = [{group = "last", force = [1e-3, 2e-3, 1e-3]}]\n[output]\nhistory = {displacements = ["last"]}\n')
+    vbond("run", case, "-o", "walled", "--set", "bonds[b].E=9.0")
+    rows = [row for row in table("walled") if row["load_factor"] > 0.05]
+    data = write("wall.csv", "load_factor,displacement.last.y,wall.w.Fy\n" + "".join(
+        f"{row['load_factor']},{row['displacement.last.y']},{row['wall.w.Fy']}\n" for row in rows))
+    fit("--vary", "bonds[b].E", "--x", "load_factor", "--compare", "displacement.last.y", "--sigma", "0.02", "--compare", "wall.w.Fy", "--sigma", "2e-6",
+        "-o", "wall_fit.toml", case=case, data=data, out="by differences: wall.w.Fy is a number of a wall")
+    assert abs(key("wall_fit", "bonds[b].E")["value"] / 9.0 - 1) < 1e-5
 
 
 def test_page_that_was_not_built(work):

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
@@ -208,13 +209,15 @@ TEST(Slopes, OfCoefficientsAreThoseOfComplexSteps) {
 
 // ---- what is not followed, and fits ----------------------------------------------------------------------
 
-std::string cantilever(const std::string& bonds, const std::string& stage) {
+std::string cantilever(const std::string& bonds, const std::string& stage, const std::string& support = "",
+                       const std::string& load = "force = [0, 1e-4, 0]") {
   return "[units]\nsystem = \"reduced\"\n[[specimen]]\nkind = \"rod\"\nparticles = 5\nspacing = 1.0\nradius "
          "= 0.45\nmass = 1.0\n"
          "[[bonds]]\nname = \"b\"\n" +
          bonds + "[[stage]]\nname = \"s\"\n" + stage +
-         "supports = [{group = \"first\", fix = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]}]\n"
-         "loads = [{group = \"last\", force = [0, 1e-4, 0]}]\n[output]\nhistory = {displacements = "
+         "supports = [{group = \"first\", fix = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]}" + support +
+         "]\nloads = [{group = \"last\", " + load +
+         "}]\n[output]\nhistory = {displacements = "
          "[\"last\"]}\n";
 }
 
@@ -240,6 +243,63 @@ TEST(Slopes, SayWhyTheyAreNotThere) {
                            still),
                 "bonds[b].nu"),
             "the case refuses values next to it");
+}
+
+const std::string stiff_bonds =
+    "distance = 1.1\nstiffness = {c_A = 1.0, c_D = 0.3, c_B = 0.05, c_T = 0.04}\n";
+
+std::string why_no_slope(const std::string& text, const std::vector<std::string>& columns) {
+  const fit::Task task = task_of({text, {"bonds[b].stiffness.c_A"}, {}});
+  return run(task, starts_of(task), columns, true).slopes[0].why_not;
+}
+
+// Slopes of forces on walls came out as 0.
+TEST(Slopes, HaveNoNumbersOfWalls) {
+  const std::string wall =
+      "[contact]\nlaw = \"linear\"\nk = 0.05\n[[wall]]\nname = \"w\"\nshape = \"plane\"\npoint = [0, "
+      "0.5, 0]\nnormal = [0, -1, 0]\n";
+  const std::string text = wall + cantilever(stiff_bonds, "kind = \"equilibrium\"\n");
+  EXPECT_EQ(why_no_slope(text, {"load_factor", "displacement.last.y"}), "");
+  const std::string why = "wall.w.Fy is a number of a wall, which balances do not give";
+  EXPECT_EQ(why_no_slope(text, {"load_factor", "wall.w.Fy"}), why);
+  EXPECT_EQ(why_no_slope(text, {"wall.w.Fy", "displacement.last.y"}), why);
+}
+
+// Turns about two axes do not commute: where they lead depends on the way.
+TEST(Slopes, HaveNoSupportsThatHoldOneTurn) {
+  const std::string still = "kind = \"equilibrium\"\n",
+                    load = "force = [0, 1e-3, 1e-3], moment = [1e-3, 0, 1e-3]",
+                    part =
+                        "stage \"s\": a support holds or turns a part of a rotation, so that balances "
+                        "depend on the way to them";
+  const std::vector<std::string> columns{"load_factor", "displacement.last.y"};
+  const auto held = [&](const std::string& support) {
+    return why_no_slope(cantilever(stiff_bonds, still, ", {group = \"last\", " + support + "}", load),
+                        columns);
+  };
+  for (const char* one : {"rx", "ry", "rz"}) EXPECT_EQ(held(fmt::format("fix = [\"{}\"]", one)), part);
+  EXPECT_EQ(held("fix = [\"rx\", \"ry\"]"), "");
+  EXPECT_EQ(held("fix = [\"rx\", \"ry\"], rotation = [0.1, 0, 0]"), part);
+  EXPECT_EQ(held("fix = [\"rx\", \"ry\", \"rz\"], rotation = [0.1, 0, 0]"), "");
+}
+
+// A stage that lets a particle turn about one axis carries what it holds of earlier turns with it. In a plane
+// it holds none.
+TEST(Slopes, HaveNoTurnsThatASupportHoldsAndTurns) {
+  const auto why = [](const std::string& load) {
+    const std::string clamp = "{group = \"first\", fix = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]}",
+                      first = fmt::format(
+                          "kind = \"equilibrium\"\nsupports = [{}]\nloads = [{{group = \"last\", {}}}]\n"
+                          "[[stage]]\nname = \"t\"\nkind = \"equilibrium\"\n",
+                          clamp, load);
+    return why_no_slope(cantilever(stiff_bonds, first, ", {group = \"last\", fix = [\"rx\", \"ry\"]}",
+                                   "moment = [0, 0, 1e-3]"),
+                        {"load_factor", "displacement.last.y"});
+  };
+  EXPECT_EQ(why("force = [0, 1e-3, 0]"), "");
+  EXPECT_EQ(
+      why("force = [0, 1e-3, 1e-3]"),
+      "stage \"t\", load factor 0: a support holds a part of a rotation that an earlier stage has changed");
 }
 
 }  // namespace

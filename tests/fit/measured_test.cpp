@@ -102,7 +102,7 @@ TEST(FitData, UnitsThatDoNotFitAreRefused) {
     return Data("t,F [" + unit + "]\n1,2\n").refusal({{{"reaction.last.fx", "F [" + unit + "]"}, ""}}, units);
   };
   EXPECT_EQ(with("N", UnitSystem::si), "");
-  EXPECT_NE(with("mm", UnitSystem::si).find("data.csv:1:1: column \"F [mm]\""), std::string::npos);
+  EXPECT_NE(with("mm", UnitSystem::si).find("data.csv:1:3: column \"F [mm]\""), std::string::npos);
   EXPECT_NE(with("furlong", UnitSystem::si).find("give it in [N]"), std::string::npos);
   EXPECT_NE(with("N", UnitSystem::reduced).find("reduced units"), std::string::npos);
   EXPECT_NE(Data("t,F [N]\n1,2\n").refusal({{{"load_factor", "F [N]"}, ""}}).find("pure number"),

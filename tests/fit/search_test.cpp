@@ -172,6 +172,60 @@ TEST(FitSearch, PassesOverSlopesThatAreWrong) {
   for (std::size_t k = 0; k < 2; ++k) EXPECT_NEAR(found.values[k] / truth[k], 1, 1e-9);
 }
 
+// exp(200 p) by central differences of 1e-3 is 0.2^2 / 6 off, a hundredth of that with a tenth of the step:
+// the slopes are right, and are taken.
+TEST(FitSearch, ComparesAgainWithAShorterStep) {
+  const auto curve = [](const std::vector<std::vector<double>>& all) {
+    std::vector<fit::Trial> trials;
+    for (const auto& p : all) {
+      fit::Trial& t = trials.emplace_back();
+      t.slopes.resize(1), t.no_slope.resize(1);
+      for (const double x : places)
+        t.curve.push_back(x * std::exp(200 * (p[0] - 1))), t.slopes[0].push_back(200 * t.curve.back());
+    }
+    return trials;
+  };
+  const Found found = fit::search({{.start = 1}}, places, sigma, curve, {});
+  EXPECT_TRUE(found.derivatives[0].exact) << found.derivatives[0].why_not;
+  EXPECT_NEAR(found.derivatives[0].off, 0.02 * 0.02 / 6, 1e-7);
+}
+
+// Away from the start the first value has no slope: its derivatives are differences, and are told as such.
+TEST(FitSearch, SaysWhereSlopesWereNotThere) {
+  std::size_t sets = 0;
+  const auto with = curves_with_slopes(1, sets);
+  const auto fewer = [&](const std::vector<std::vector<double>>& all) {
+    auto trials = with(all);
+    if (all.size() == 1 && all[0][0] != 2.6)
+      trials[0].slopes[0].clear(), trials[0].no_slope[0] = "it is late";
+    return trials;
+  };
+  const Found found = fit::search({{.start = 2.6}, {.start = 0.6}}, decay(truth), sigma, fewer, {});
+  const fit::Derivative &one = found.derivatives[0], &other = found.derivatives[1];
+  EXPECT_TRUE(one.exact && other.exact && other.last_exact);
+  EXPECT_FALSE(one.last_exact);
+  EXPECT_EQ(one.fell_back_why, "it is late");
+  EXPECT_GT(one.fell_back, 1u);
+  EXPECT_LT(one.fell_back, one.times);
+  EXPECT_EQ(other.fell_back, 0u);
+}
+
+// A value without effect has nothing to compare: 1e-9 of the curve over the step is the error of runs.
+TEST(FitSearch, ComparesNoSlopesWithoutEffect) {
+  const auto curve = [](const std::vector<std::vector<double>>& all) {
+    std::vector<fit::Trial> trials;
+    for (const auto& p : all) {
+      fit::Trial& t = trials.emplace_back(fit::Trial{decay(truth), ""});
+      t.curve[0] += 1e-13 * p[0];
+      t.slopes.resize(1, std::vector<double>(places.size(), 1e-20)), t.no_slope.resize(1);
+    }
+    return trials;
+  };
+  const Found found = fit::search({{.start = 1}}, decay(truth), sigma, curve, {});
+  EXPECT_TRUE(found.derivatives[0].exact);
+  EXPECT_TRUE(std::isnan(found.derivatives[0].off));
+}
+
 TEST(FitSearch, RefusesAStartOutsideItsBounds) {
   for (const Searched& outside : {Searched{.start = 1, .low = 2}, Searched{.start = 1, .high = 0.5}})
     EXPECT_THROW(fit::search({outside, {.start = 1}}, decay(truth), sigma, curves(), {}),

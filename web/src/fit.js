@@ -39,10 +39,13 @@ export function without_interval(value, { no_effect, not_told_apart, degrees_of_
   return degrees_of_freedom > 0 ? "none" : "as many values as points";
 }
 
-const derivative_words = ({ derivative, off_from_differences: off, why_differences: why }) => {
-  if (derivative === "tangent") return `tangent of the balance; ${number(off, 2)} off from differences at the start`;
-  return `differences${why ? `: ${why}` : ""}`;
-};
+/** How the derivative was found: the last one, and how often it was another way. */
+export function derivative_words({ derivative, derivatives: { times, by_differences }, off_from_differences: off, why_differences: why }) {
+  const partly = by_differences > 0 && by_differences < times ? ` ${by_differences} of ${times} times` : "";
+  if (derivative !== "tangent") return `differences${partly}${why ? `: ${why}` : ""}`;
+  const compared = off == null ? "no effect at the start" : `${number(off, 2)} off from differences at the start`;
+  return `tangent of the balance; ${compared}${partly ? `; differences${partly}: ${why}` : ""}`;
+}
 
 function table(label, headings, rows) {
   return element("section", { class: "breaks", "aria-label": label }, element("h2", {}, label),
@@ -74,7 +77,8 @@ export function messages_of(fit) {
   for (const { key, at_bound } of fit.values) if (at_bound) say("warning", `${key} is at its ${at_bound} bound: the bound decides it, not the points.`);
   if (fit.interpolation_off > 0.1)
     say("note", `Between rows of history.csv the curve may be off by ${number(fit.interpolation_off, 2)} of ${fit.sigma_known ? "sigma" : "the residuals' deviation"}.`);
-  if (fit.left_out_lines.length) say("note", `${fit.left_out_lines.length} points beyond the run at the start are left out: lines ${fit.left_out_lines.slice(0, 10).join(", ")}${fit.left_out_lines.length > 10 ? ", ..." : ""}.`);
+  const lines = [...new Set(fit.left_out_lines)];   // a line may have a point of each column
+  if (lines.length) say("note", `${fit.left_out_lines.length} points beyond the run at the start are left out: lines ${lines.slice(0, 10).join(", ")}${lines.length > 10 ? ", ..." : ""}.`);
   for (const failure of fit.failures) say("note", `A run failed: ${failure}`);
   return list;
 }

@@ -5,7 +5,7 @@ import { Cell } from "../src/cell.js";
 import { maps, scale_ends, shade } from "../src/colours.js";
 import { cause_colours, causes, fragment_colours } from "../src/palette.js";
 import { from_base64, inflate, stored, undelta } from "../src/decode.js";
-import { curves_of as fit_curves, messages_of, search_of, without_interval } from "../src/fit.js";
+import { curves_of as fit_curves, derivative_words, messages_of, search_of, without_interval } from "../src/fit.js";
 import { name_of } from "../src/head.js";
 import { linear_axis, log_axis, log_ticks } from "../src/axis.js";
 import { History, extent, nearest, stack } from "../src/history.js";
@@ -532,11 +532,20 @@ test("Fit.SaysWhyAValueHasNoInterval", () => {
   assert.equal(without_interval({ key: "d" }, { ...fit, degrees_of_freedom: 0 }), "as many values as points");
 });
 
+test("Fit.SaysHowDerivativesWereFound", () => {
+  const words = (derivative, times, by_differences, more) => derivative_words({ derivative, derivatives: { times, by_differences }, ...more });
+  assert.equal(words("tangent", 4, 0, { off_from_differences: 1e-6 }), `tangent of the balance; ${number(1e-6, 2)} off from differences at the start`);
+  assert.equal(words("tangent", 4, 0, {}), "tangent of the balance; no effect at the start");
+  assert.equal(words("differences", 4, 4, { why_differences: "why" }), "differences: why");
+  assert.equal(words("differences", 4, 3, { why_differences: "why" }), "differences 3 of 4 times: why");
+  assert.match(words("tangent", 4, 1, { off_from_differences: 1e-6, why_differences: "why" }), /; differences 1 of 4 times: why$/);
+});
+
 test("Fit.WarnsOfWhatTheValuesAreNot", () => {
   const fit = { end: "held", why: "it fails", no_effect: ["c"], not_told_apart: [["a", "b"]], values: [{ key: "d", at_bound: "lower" }],
-                interpolation_off: 0.3, sigma_known: true, left_out_lines: [4], failures: ["no balance"] };
+                interpolation_off: 0.3, sigma_known: true, left_out_lines: [4, 4, 5], failures: ["no balance"] };
   const said = messages_of(fit).map(({ text }) => text).join("\n");
-  for (const words of ["has not converged: it fails", "do not tell apart a, b", "c has no effect", "d is at its lower bound", "0.3 of sigma", "lines 4", "no balance"])
+  for (const words of ["has not converged: it fails", "do not tell apart a, b", "c has no effect", "d is at its lower bound", "0.3 of sigma", "lines 4, 5.", "no balance"])
     assert.ok(said.includes(words), words);
   assert.deepEqual(messages_of({ ...fit, end: "converged", no_effect: [], not_told_apart: [], values: [], interpolation_off: 0, left_out_lines: [], failures: [] }), []);
 });

@@ -1,5 +1,8 @@
 #include "vbond/fit/case_run.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -91,6 +94,11 @@ std::vector<std::size_t> places_of(const std::vector<std::string>& wanted, const
   return places;
 }
 
+/// Forces on walls are those of the last run of forces: a balance beside, made anew, has none.
+bool is_of_wall(const std::string& column) {
+  return column.starts_with("wall.");
+}
+
 }  // namespace
 
 Rows run_case(const CaseText& text, const std::vector<std::string>& changes,
@@ -111,7 +119,12 @@ Rows run_case(const CaseText& text, const std::vector<std::string>& changes,
   hooks.interrupted = interrupted;
   run.set_hooks(std::move(hooks));
   std::optional<BondSlopes> slopes;
-  if (!nudges.empty()) rows->slopes = &slopes.emplace(text, nudges, run, run.state());
+  const auto of_wall = std::find_if(columns.begin(), columns.end(), is_of_wall);
+  if (of_wall != columns.end())
+    rows->rows.slopes.assign(
+        nudges.size(), {{}, fmt::format("{} is a number of a wall, which balances do not give", *of_wall)});
+  else if (!nudges.empty())
+    rows->slopes = &slopes.emplace(text, nudges, run, run.state());
   run.run();
   if (slopes) rows->rows.slopes = std::move(*slopes).take();
   rows->rows.interrupted = !run.complete();

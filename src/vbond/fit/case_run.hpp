@@ -42,7 +42,8 @@ struct Nudge {
 /// names the nearest, if there is no such column. Looks at the run as `vbond run` does, and throws what that
 /// ends with: CaseError, Diverged, NoEquilibrium, NoConvergence, std::invalid_argument, IoError. Rows do not
 /// depend on threads, nor on runs that go on at the same time, nor on slopes, which come by the tangents of
-/// balances (statics/sensitivity.hpp) for values that change bonds and nothing else.
+/// balances (statics/sensitivity.hpp) for values that change bonds and nothing else, and for no column
+/// wall.*.
 Rows run_case(const CaseText& c, const std::vector<std::string>& changes,
               const std::vector<std::string>& columns, int threads, const std::function<bool()>& interrupted,
               const std::vector<Nudge>& nudges = {});

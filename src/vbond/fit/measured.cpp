@@ -81,15 +81,17 @@ class Fields {
   }
 
   /// Of a field of a row; its first character, if it stands on the row's first line.
-  SourcePlace place(std::size_t column, std::size_t row) const {
-    const std::uint32_t line = table_.lines[row];
+  SourcePlace place(std::size_t column, std::size_t row) const { return on_line(column, table_.lines[row]); }
+  SourcePlace heading(std::size_t column) const { return on_line(column, table_.header_line); }
+
+ private:
+  SourcePlace on_line(std::size_t column, std::uint32_t line) const {
     const std::uint32_t character =
         line <= lines_.size() ? column_of_field(lines_[line - 1], table_.separator, table_.columns[column])
                               : 1;
     return {file_.string(), line, character};
   }
 
- private:
   const std::filesystem::path& file_;
   const CsvTable& table_;
   std::vector<std::string> lines_;
@@ -162,8 +164,9 @@ Points read_points(const std::filesystem::path& file, const Pair& x, const std::
 
   Problems problems;
   const SourcePlace header{file.string(), table.header_line, 1};
+  const Fields fields(file, table, problems);
   const auto factor = [&](const std::string& title, const std::string& history) {
-    return factor_of(title, history, units, header, problems);
+    return factor_of(title, history, units, fields.heading(columns.add(title)), problems);
   };
   const double x_factor = factor(x.data, x.history);
   std::vector<double> y_factors;
@@ -171,7 +174,6 @@ Points read_points(const std::filesystem::path& file, const Pair& x, const std::
     y_factors.push_back(factor(measured[k].y.data, measured[k].y.history));
     if (sigmas[k].column) sigmas[k].factor = factor(measured[k].sigma, measured[k].y.history);
   }
-  const Fields fields(file, table, problems);
   Points read{{}, table.passed_over};
   std::optional<std::size_t> of_all;
   if (stage) of_all = stage_of(*stage, stages, {"--stage", 0, 0});

@@ -1,5 +1,7 @@
 #include "vbond/fit/residuals.hpp"
 
+#include <fmt/format.h>
+
 #include <stdexcept>
 
 namespace vbond::fit {
@@ -23,19 +25,26 @@ bool Residuals::derivatives(const std::vector<double>& u, const std::vector<doub
     if (first || !used[j].exact || !has_slope(u, j)) by_differences.push_back(j);
   one_sided.clear();
   std::vector<double> D;
-  if (!differences(u, r, by_differences, D)) return false;
+  if (!differences(u, r, by_differences, options_.difference, D)) return false;
   if (first) used.resize(unknowns_.size());
   const std::size_t n = columns.size(), m = r.size(), nd = by_differences.size();
   J.assign(m * n, 0.0);
   for (std::size_t k = 0, d = 0; k < n; ++k) {
-    const std::size_t j = columns[k];
+    if (d == nd || by_differences[d] != columns[k]) continue;
     std::vector<double> column(m);
-    if (d < nd && by_differences[d] == j) {
-      for (std::size_t i = 0; i < m; ++i) column[i] = D[i * nd + d];
-      ++d;
-      if (first) judge_slope(u, r, j, column);
-    }
-    if (used[j].exact && has_slope(u, j)) column = slope_of(u, j);
+    for (std::size_t i = 0; i < m; ++i) J[i * n + k] = column[i] = D[i * nd + d];
+    ++d;
+    if (first) judge_slope(u, r, columns[k], column);
+  }
+  if (first && !compare_again(u, r, columns)) return false;
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::size_t j = columns[k];
+    Derivative& d = used[j];
+    ++d.times;
+    d.last_exact = d.exact && has_slope(u, j);
+    if (d.exact && !d.last_exact) ++d.fell_back, d.fell_back_why = why_no_slope(j);
+    if (!d.last_exact) continue;
+    const std::vector<double> column = slope_of(u, j);
     for (std::size_t i = 0; i < m; ++i) J[i * n + k] = column[i];
   }
   return true;
@@ -47,43 +56,81 @@ std::vector<double> Residuals::slope_of(const std::vector<double>& u, std::size_
   return slope;
 }
 
-/// Whether the slopes of an unknown are what differences say: to their own error, that of runs, 1e-9 of the
-/// curve over the step, and a part in a thousand for the curvature. A slope that leaves out some part of what
-/// the value does shows here.
+std::string Residuals::why_no_slope(std::size_t j) const {
+  if (!options_.exact) return "differences are asked for";
+  return j < here_.no_slope.size() && !here_.no_slope[j].empty() ? here_.no_slope[j] : "no slope is known";
+}
+
+/// Whether the slopes of an unknown are what differences say: to a part in a thousand for the curvature, or
+/// the square of the step if that is more, and to the error of runs, 1e-9 of the curve over the step. All are
+/// lengths over sigma of all points together. A slope that leaves out some part of what the value does shows
+/// here.
+bool Residuals::agrees(const std::vector<double>& u, const std::vector<double>& r, std::size_t j,
+                       const std::vector<double>& by_difference, double& off) const {
+  const std::vector<double> slope = slope_of(u, j);
+  double apart = 0, size = 0, slope_size = 0, curve = 0;
+  for (std::size_t i = 0; i < slope.size(); ++i) {
+    apart += std::pow(slope[i] - by_difference[i], 2);
+    size += std::pow(by_difference[i], 2), slope_size += std::pow(slope[i], 2);
+    curve += std::pow(r[i] + data_[i] / sigma_[i], 2);
+  }
+  const double h = options_.difference, part = std::max(1e-3, h * h), of_runs = 1e-9 / h * std::sqrt(curve);
+  const bool no_effect = std::sqrt(std::max(size, slope_size)) <= of_runs;
+  off = no_effect ? NAN : size > 0 ? std::sqrt(apart / size) : INFINITY;
+  return std::sqrt(apart) <= part * std::sqrt(size) + of_runs;
+}
+
 void Residuals::judge_slope(const std::vector<double>& u, const std::vector<double>& r, std::size_t j,
                             const std::vector<double>& by_difference) {
   Derivative& d = used[j];
-  if (!has_slope(u, j)) {
-    d.why_not = !options_.exact                                           ? "differences are asked for"
-                : j < here_.no_slope.size() && !here_.no_slope[j].empty() ? here_.no_slope[j]
-                                                                          : "no slope is known";
-    return;
+  if (has_slope(u, j)) d.exact = agrees(u, r, j, by_difference, d.off) && options_.exact;
+  if (!d.exact) d.why_not = why_no_slope(j);
+}
+
+/// Slopes that are not what differences say, with differences of a tenth of the step: those were too long if
+/// these agree.
+bool Residuals::compare_again(const std::vector<double>& u, const std::vector<double>& r,
+                              const std::vector<std::size_t>& columns) {
+  std::vector<std::size_t> doubtful;
+  for (const std::size_t j : columns)
+    if (options_.exact && has_slope(u, j) && !used[j].exact) doubtful.push_back(j);
+  if (doubtful.empty()) return true;
+  const double h = 0.1 * options_.difference;
+  const std::vector<std::string> kept = one_sided;
+  std::vector<double> D;
+  const bool known = differences(u, r, doubtful, h, D);
+  one_sided = kept, no_derivative = false;
+  if (interrupted()) return false;
+  const std::size_t m = r.size(), nd = doubtful.size();
+  for (std::size_t k = 0; k < nd; ++k) {
+    Derivative& d = used[doubtful[k]];
+    const double before = d.off;
+    std::string again;
+    if (known) {
+      std::vector<double> column(m);
+      for (std::size_t i = 0; i < m; ++i) column[i] = D[i * nd + k];
+      d.exact = agrees(u, r, doubtful[k], column, d.off);
+      again = fmt::format(", {:.2g} with steps of {:g}", d.off, h);
+    }
+    d.why_not = d.exact ? ""
+                        : fmt::format(
+                              "the tangent and runs beside the start do not say the same, {:.2g} "
+                              "off with steps of {:g}{}; either may be wrong, as where rows are too "
+                              "coarse, or move from run to run",
+                              before, options_.difference, again);
   }
-  const std::vector<double> slope = slope_of(u, j);
-  double apart = 0, size = 0, curve = 0;
-  for (std::size_t i = 0; i < slope.size(); ++i) {
-    apart += std::pow(slope[i] - by_difference[i], 2);
-    size += std::pow(by_difference[i], 2);
-    curve += std::pow(r[i] + data_[i] / sigma_[i], 2);
-  }
-  const double h = options_.difference, part = std::max(1e-3, h * h);
-  d.off = size > 0 ? std::sqrt(apart / size) : apart > 0 ? INFINITY : 0;
-  d.exact = options_.exact && std::sqrt(apart) <= part * std::sqrt(size) + 1e-9 / h * std::sqrt(curve);
-  if (!options_.exact)
-    d.why_not = "differences are asked for";
-  else if (!d.exact)
-    d.why_not = "what follows from the tangent is not what runs beside the start say";
+  return true;
 }
 
 /// By runs beside u.
 bool Residuals::differences(const std::vector<double>& u, const std::vector<double>& r,
-                            const std::vector<std::size_t>& columns, std::vector<double>& J) {
+                            const std::vector<std::size_t>& columns, double step, std::vector<double>& J) {
   const std::size_t n = columns.size(), m = r.size();
   if (n == 0) return true;
   std::vector<std::vector<double>> points;
   std::vector<std::pair<double, double>> steps;
   for (const std::size_t j : columns) {
-    steps.push_back(steps_at(j, u[j]));
+    steps.push_back(steps_at(j, u[j], step));
     for (const double h : {steps.back().first, steps.back().second}) {
       std::vector<double> beside = u;
       beside[j] += h;
@@ -114,9 +161,9 @@ bool Residuals::differences(const std::vector<double>& u, const std::vector<doub
 }
 
 /// To both sides, or twice to one where a bound is near.
-std::pair<double, double> Residuals::steps_at(std::size_t j, double u) const {
+std::pair<double, double> Residuals::steps_at(std::size_t j, double u, double step) const {
   const double room = unknowns_.high(j) - unknowns_.low(j),
-               h = std::min(unknowns_.step(j, u, options_.difference), 0.25 * room);
+               h = std::min(unknowns_.step(j, u, step), 0.25 * room);
   if (u + h > unknowns_.high(j)) return {-h, -2 * h};
   if (u - h < unknowns_.low(j)) return {h, 2 * h};
   return {-h, h};

@@ -82,11 +82,16 @@ class Residuals {
     return u == here_at_ && j < here_.slopes.size() && !here_.slopes[j].empty();
   }
   std::vector<double> slope_of(const std::vector<double>& u, std::size_t j) const;
+  std::string why_no_slope(std::size_t j) const;
   void judge_slope(const std::vector<double>& u, const std::vector<double>& r, std::size_t j,
                    const std::vector<double>& by_difference);
+  bool agrees(const std::vector<double>& u, const std::vector<double>& r, std::size_t j,
+              const std::vector<double>& by_difference, double& off) const;
+  bool compare_again(const std::vector<double>& u, const std::vector<double>& r,
+                     const std::vector<std::size_t>& columns);
   bool differences(const std::vector<double>& u, const std::vector<double>& r,
-                   const std::vector<std::size_t>& columns, std::vector<double>& J);
-  std::pair<double, double> steps_at(std::size_t j, double u) const;
+                   const std::vector<std::size_t>& columns, double step, std::vector<double>& J);
+  std::pair<double, double> steps_at(std::size_t j, double u, double step) const;
   std::vector<double> weighted(const Trial& trial) const;
 
   const Unknowns& unknowns_;

@@ -53,10 +53,15 @@ struct SearchOptions {
 
 /// What the derivative with a value was.
 struct Derivative {
-  bool exact = false;  ///< the slopes of trials, else differences
-  double off =
-      NAN;  ///< of the slopes at the start from differences there, as a part of these; NaN: not compared
+  bool exact = false;  ///< the slopes of trials where there are some, else differences
+  /// Of the slopes at the start from differences there, as a part of these; NaN: not compared, or the value
+  /// has no effect there beyond the error of runs.
+  double off = NAN;
   std::string why_not;  ///< not exact: the reason
+  /// How often it was asked for; of these, though exact, by differences, for a reason such as the last.
+  std::size_t times = 0, fell_back = 0;
+  std::string fell_back_why = {};
+  bool last_exact = false;  ///< the last one
 };
 
 enum class SearchEnd { converged, held, iterations, no_better, no_derivative, interrupted };

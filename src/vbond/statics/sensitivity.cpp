@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <tuple>
 #include <utility>
@@ -49,12 +50,48 @@ bool any_touch(const Model& model, const State& s) {
   return any;
 }
 
+/// What supports leave of the turns of a particle.
+struct Turns {
+  unsigned held = 0;       ///< bits: of supports along the axes of the world
+  bool turned = false;     ///< by these
+  bool by_way = false;     ///< two axes are free, or one beside a turn: these do not commute
+  bool about_one = false;  ///< one axis is free
+};
+
+/// Supports with axes of their own, and grips, count alone.
+PerParticle<Turns> turns_in(const Model& model, const StaticStage& stage) {
+  PerParticle<Turns> all(model.particles());
+  const auto add = [](Turns& t, unsigned held, bool turned) {
+    const int count = std::popcount(held);
+    t.by_way = t.by_way || count == 1 || (count == 2 && turned);
+    t.about_one = t.about_one || count == 2;
+  };
+  for (const Support& s : stage.supports) {
+    unsigned held = 0;
+    for (unsigned k = 0; k < 3; ++k) held |= s.held[3 + k] ? 1u << k : 0u;
+    const bool turned = s.angular_velocity != Vec3d{};
+    for (const ParticleId p : s.particles)
+      if (s.rigid || s.axes)
+        add(all[p], held, turned);
+      else
+        all[p].held |= held, all[p].turned = all[p].turned || turned;
+  }
+  for (const ParticleId p : all.ids()) add(all[p], all[p].held, all[p].turned);
+  return all;
+}
+
+bool any_turns_by_way(const PerParticle<Turns>& turns) {
+  return std::any_of(turns.begin(), turns.end(), [](const Turns& t) { return t.by_way; });
+}
+
 /// What of a stage, or of the state that it begins in, cannot be followed; empty: nothing.
-std::string cannot_follow(const StaticStage& stage, const State& state) {
+std::string cannot_follow(const Model& model, const StaticStage& stage, const State& state) {
   if (stage.kind != StageKind::equilibrium && stage.kind != StageKind::path)
     return "it is neither an equilibrium nor a path";
   if (!stage.heating.empty() || !state.warm_bonds.empty()) return "temperatures change in it";
   if (!stage.walls.empty()) return "walls move in it";
+  if (any_turns_by_way(turns_in(model, stage)))
+    return "a support holds or turns a part of a rotation, so that balances depend on the way to them";
   if (stage.kind == StageKind::path && stage.cell.any_stress())
     return "its path is that of a cell under stress";
   for (const Bond& b : state.bonds) {
@@ -141,8 +178,19 @@ struct Sensitivities::Inside {
     return derivative_of_sixth_order(s, [&](int k) -> Vector { return loads_at(moved(state, m, k * s), f); });
   }
 
-  /// What supports hold of the motions at the start of the stage, and how what fades in it changes.
-  void begin_at(const StaticBody& body) {
+  /// Whether supports that let particles turn about one axis hold turns that change: these turn with them.
+  bool holds_turns(const Motion& all, const Motion& part, double length) const {
+    constexpr double rounding = 1e-9;
+    const double size = rounding * largest(all, length);
+    const PerParticle<Turns> turns = turns_in(model, *stage);
+    for (const ParticleId p : turns.ids())
+      if (turns[p].about_one && length * norm(part.turn[p]) > size) return true;
+    return false;
+  }
+
+  /// What supports hold of the motions at the start of the stage, and how what fades in it changes. False if
+  /// what they hold does not stay as it is.
+  bool begin_at(const StaticBody& body) {
     const double f = body.load_factor(), length = body.unknowns().length();
     held.clear(), reliefs.clear();
     relief = Vector::Zero(body.unknowns().size());
@@ -158,6 +206,7 @@ struct Sensitivities::Inside {
           const Movement m = body.unknowns().along_own(p, free);
           h.shift[p] -= m.shift, h.turn[p] -= m.turn / length;
         }
+        if (holds_turns(before[j], h, length)) return false;
       }
       held.push_back(std::move(h));
       Vector change = Vector::Zero(body.unknowns().size());
@@ -172,6 +221,7 @@ struct Sensitivities::Inside {
       reliefs.push_back(std::move(change));
     }
     first_point = false;
+    return true;
   }
 
   /// Out of balance beyond what a balance may be: the body that was made anew is not the one that was in it.
@@ -293,7 +343,7 @@ Sensitivities::Sensitivities(const Model& model, std::vector<BondParameter> para
 Sensitivities::~Sensitivities() = default;
 
 std::optional<std::string> Sensitivities::begin(const StaticStage& stage, const State& state) {
-  std::string why = cannot_follow(stage, state);
+  std::string why = cannot_follow(in_->model, stage, state);
   if (why.empty() && in_->any_stage) why = cannot_follow_after(in_->model, stage, in_->after_path);
   if (!why.empty()) return fmt::format("stage \"{}\": {}", stage.name, why);
   const OneBlasThread alone;
@@ -316,7 +366,8 @@ std::optional<std::vector<std::vector<double>>> Sensitivities::at(const StaticPo
     why = fmt::format("stage \"{}\", load factor {:.6g}: {}", in.stage->name, point.load_factor, reason);
     return std::nullopt;
   };
-  if (in.first_point) in.begin_at(body);
+  if (in.first_point && !in.begin_at(body))
+    return refuse("a support holds a part of a rotation that an earlier stage has changed");
   if (in.is_out_of_balance(body)) return refuse("its balance depends on more than where the particles are");
   try {
     if (!in.factor(body, point.kind)) return refuse("its tangent is singular");

@@ -51,7 +51,8 @@ class Sensitivities {
   ~Sensitivities();
 
   /// The next stage begins in this state, in which its first point stands. A reason if its balances cannot be
-  /// followed: a stage of another kind than equilibrium and path, bonds that remember, warmth, moving walls.
+  /// followed: a stage of another kind than equilibrium and path, bonds that remember, warmth, moving walls,
+  /// supports that hold one turn of three, or turn what they hold of two.
   std::optional<std::string> begin(const StaticStage& stage, const State& state);
 
   /// The next balance of the stage. Of each parameter, d number / d p: at this load factor; of a path along
