@@ -168,7 +168,7 @@ std::size_t touching(const Specimen& s, const State& state) {
 // other.
 TEST(FlatJoint, FacesThatTurnOrAreDeepDoNotPart) {
   Rock rock;
-  rock.radius = 0.3, rock.tension = rock.cohesion = 1e-6;
+  rock.radius = 0.3, rock.tension = rock.cohesion = 1e-6, rock.tan_phi = 0.0;
   Specimen s = two_grains(rock);
   s.model.contact = testing::linear(1.0, 0.0);
   s.model.contact.pairs = ContactPairs::unbonded;
