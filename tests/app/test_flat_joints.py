@@ -11,6 +11,8 @@ from program import (EXAMPLES, HERE, STATICS, column, expect_same, instruction_s
 CASE = HERE / "flat_joints.toml"
 SHEAR = EXAMPLES / "joint_shear.toml"
 
+needs_statics = pytest.mark.skipif(not STATICS, reason="a build without statics: the example has stages at rest")
+
 
 @pytest.fixture(scope="module")
 def whole(work):
@@ -39,7 +41,7 @@ def test_stopped_while_cells_crack(whole):
     expect_same(whole, "stopped")
 
 
-@pytest.mark.skipif(not STATICS, reason="a build without statics")
+@needs_statics
 def test_the_example_has_the_figures_of_coulomb(work):
     """Peak (c + sigma tan phi) A, then mu P; laws differ by the strain, 1e-3."""
     vbond("run", SHEAR, *"-o shear".split())
@@ -52,6 +54,7 @@ def test_the_example_has_the_figures_of_coulomb(work):
     assert number("shear", "broken") == 12
 
 
+@needs_statics
 @pytest.mark.parametrize("change, err", [
     ("bonds[0].flat_joint.around=2", "use 1, or 3 and more"),
     ("bonds[0].flat_joint.friction=-1", "must satisfy 0 <= friction"),
@@ -67,6 +70,7 @@ def test_refused(work, change, err):
     refused(SHEAR, err, sets=change)
 
 
+@needs_statics
 @pytest.mark.parametrize("damping", ["{ratio=0.05}", "{coefficients={g_A='1 N*s/m',g_D='1 N*s/m',g_B='1 N*m*s',g_T='1 N*m*s'}}"])
 def test_damping_by_ratio_is_refused(work, damping):
     write("damped.toml", SHEAR.read_text(), (", friction = 0.4", ""))
@@ -125,6 +129,7 @@ def test_cracked_cells_that_a_sink_takes_out_do_not_break_again(work):
     assert column("sunk", "broken")[-1] == 4 == number("sunk", "broken")
 
 
+@needs_statics
 def test_place_of_a_mistake(work):
     write("two.toml", SHEAR.read_text(), ("around = 6, friction = 0.4", "around = 2, friction = -1"))
     refused("two.toml", "two.toml:21:27: bonds[0].flat_joint.around = 2", "two.toml:21:39: bonds[0].flat_joint.friction = -1")
