@@ -5,38 +5,14 @@
 #include <type_traits>
 #include <utility>
 
+#include "cracked.hpp"
 #include "vbond/physics/vmodel.hpp"
 #include "vbond/physics/with_offsets.hpp"
-#include "vbond/physics/with_rubbing.hpp"
 
 namespace vbond::faces_test {
 namespace {
 
-constexpr double mu = 0.6;
-constexpr BondStiffness<double> c{2.0, 0.7, 0.3, 0.4};
-
-BondRules rules_of_test() {
-  BondRules rules;
-  rules.rubbing = {mu, 1.0};
-  return rules;
-}
-const BondRules rules = rules_of_test();
-
-template <class Law>
-LawHistory<Law> slipped(double s_2, double s_3) {
-  LawHistory<Law> h;
-  h.value[rubbed::cracked] = 1.0;
-  h.value[rubbed::slip] = s_2, h.value[rubbed::slip + 1] = s_3;
-  return h;
-}
-template <class Law>
-LawHistory<Law> after(const Law& law, const BondPose<double>& pose, const LawHistory<Law>& before) {
-  return advance(law, pose, bond_axis(law, pose), BondRates<double>{}, 0.0, before);
-}
-template <class Law>
-BondLoads<double> loads(const Law& law, const BondPose<double>& pose, const LawHistory<Law>& h) {
-  return bond_loads(law, pose, bond_axis(law, pose), h);
-}
+using namespace cracked;
 
 /// Of a pair at rest along x at the distance 1.5: where j has moved by these.
 BondPose<double> moved(double gap, double shift) {

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <vector>
 
+#include "cracked.hpp"
 #include "random_pose.hpp"
 #include "vbond/physics/evm.hpp"
 #include "vbond/physics/flow_tangent.hpp"
@@ -16,15 +17,7 @@
 namespace vbond::rubbing_test {
 namespace {
 
-constexpr double mu = 0.6;
-constexpr BondStiffness<double> c{2.0, 0.7, 0.3, 0.4};
-
-BondRules rules_of_test() {
-  BondRules rules;
-  rules.rubbing = {mu, 1.0};
-  return rules;
-}
-const BondRules rules = rules_of_test();
+using namespace cracked;
 
 template <class Law>
 Law law_of_test() {
@@ -34,21 +27,6 @@ Law law_of_test() {
   return law;
 }
 
-template <class Law>
-LawHistory<Law> slipped(double s_2, double s_3) {
-  LawHistory<Law> h;
-  h.value[rubbed::cracked] = 1.0;
-  h.value[rubbed::slip] = s_2, h.value[rubbed::slip + 1] = s_3;
-  return h;
-}
-template <class Law>
-LawHistory<Law> after(const Law& law, const BondPose<double>& pose, const LawHistory<Law>& before) {
-  return advance(law, pose, bond_axis(law, pose), BondRates<double>{}, 0.0, before);
-}
-template <class Law>
-BondLoads<double> loads(const Law& law, const BondPose<double>& pose, const LawHistory<Law>& h) {
-  return bond_loads(law, pose, bond_axis(law, pose), h);
-}
 double total(const BondEnergy<double>& U) {
   return U.U_L + U.U_B + U.U_T;
 }
