@@ -116,6 +116,11 @@ std::optional<DenseMatrix> KeptFactor::solve_columns(const SparseMatrix& A, cons
   return conjugate_gradients_of_columns(times, inverse, B, X, accuracy, patience());
 }
 
+Vector KeptFactor::solve_roughly(const Vector& b) {
+  in_cycle_ += price_;
+  return solve_kept(b);
+}
+
 Vector KeptFactor::random_side() {
   constexpr double half_width = 1.7320508075688772;  // sqrt(3): of variance 1
   Vector r(M_.rows());

@@ -28,6 +28,14 @@ double accuracy_for(const StaticBody& body, const NewtonSettings& settings) {
   return std::clamp(1e-2 * settings.tolerance / body.residual(), 1e-6, 1e-2);
 }
 
+/// Whether the last correction, if any, has left little of what was unbalanced: the kept factor is then good
+/// enough for the next one, which costs no tangent.
+bool falls_fast(const std::vector<double>& residuals) {
+  constexpr double fast = 0.1;
+  const std::size_t n = residuals.size();
+  return n < 2 || residuals[n - 1] < fast * residuals[n - 2];
+}
+
 }  // namespace
 
 double change_of(const StaticBody& body, const Vector& x) {
@@ -94,6 +102,12 @@ NewtonOutcome correct(StaticBody& body, TangentSolver& solver, const NewtonSetti
     if (n > 2 && !(residuals[n - 1] < growth * residuals[n - 2]))
       return NewtonStop{
           fmt::format("the unbalanced force grows, to {:.2g} of the largest", residuals.back())};
+    if (falls_fast(residuals))
+      if (const Vector x = solver.solve_roughly(body, body.unbalanced());
+          x.size() > 0 && x.allFinite() && change_of(body, x) <= largest_change) {
+        body.move(x, body.load_factor());
+        return {};
+      }
     if (!solver.take_full(body)) return singular();
     Vector x;
     try {
@@ -124,23 +138,30 @@ class Descent {
   }
 
   /// False if nothing lower, or better balanced, was found in the direction.
-  bool step() {
+  bool step(const std::vector<double>& residuals) {
+    if (shift_ == 0.0 && falls_fast(residuals))
+      if (const Vector x = solver_.solve_roughly(body_, body_.unbalanced());
+          is_downhill(x) && search(limited(body_, x)))
+        return true;
     const Vector x = direction();
     return x.size() > 0 && search(x);
   }
 
  private:
+  bool is_downhill(const Vector& x) const {
+    return x.size() > 0 && x.allFinite() && x.dot(body_.unbalanced()) > 0.0;
+  }
+
   Vector direction() {
     const Vector& g = body_.unbalanced();
-    const auto downhill = [&g](const Vector& x) { return x.size() > 0 && x.allFinite() && x.dot(g) > 0.0; };
     const bool ready = shift_ == 0.0 ? solver_.take_definite(body_) : solver_.factor_definite(body_, shift_);
     if (!ready && !find_shift()) return {};
     if (shift_ == 0.0)
-      if (const Vector x = solver_.solve_full(body_, g, accuracy_for(body_, settings_)); downhill(x))
+      if (const Vector x = solver_.solve_full(body_, g, accuracy_for(body_, settings_)); is_downhill(x))
         return limited(body_, x);
     Vector x = solver_.solve(g);
-    while (!downhill(x) && find_shift()) x = solver_.solve(g);  // multigrid tells only now
-    return downhill(x) ? limited(body_, x) : Vector();
+    while (!is_downhill(x) && find_shift()) x = solver_.solve(g);  // multigrid tells only now
+    return is_downhill(x) ? limited(body_, x) : Vector();
   }
 
   /// The least shift, within a factor of 10, that makes the tangent positive definite; above the present one.
@@ -210,7 +231,7 @@ NewtonOutcome minimise(StaticBody& body, TangentSolver& solver, const NewtonSett
                        const std::function<bool()>& interrupted) {
   Descent descent(body, solver, settings);
   const NewtonStep step = [&](const std::vector<double>& residuals) -> std::optional<NewtonStop> {
-    if (descent.step()) return {};
+    if (descent.step(residuals)) return {};
     return NewtonStop{
         fmt::format("no way downhill at an unbalanced force of {:.2g} of the largest", residuals.back()),
         close_to_rounding(body)};

@@ -174,6 +174,12 @@ bool TangentSolver::take(const StaticBody& body) {
   return can;
 }
 
+Vector TangentSolver::solve_roughly(const StaticBody& body, const Vector& b) {
+  if (!kept_.at_hand() || body.is_unsymmetric() || (!breaks_.empty() && !kept_for(body)) || kept_.is_due())
+    return {};
+  return kept_.solve_roughly(b);
+}
+
 bool TangentSolver::is_definite(const StaticBody& body) {
   any_signs_ = false;
   if (kept_for(body) && kept_.shows_definite(*present_)) return true;

@@ -134,7 +134,7 @@ Vector WorkOnTheWay::between(const Stand& a, const Stand& b, double scale, int s
   std::vector<Stand> nodes{a, b};
   std::vector<double> sums{trapezium(a, b)[0]};  // a row of Romberg's scheme, its best last
   const double stored = b.stored - a.stored;
-  const auto known = [&](double work) { return std::abs(work - stored) <= within; };
+  const auto known = [&](double work) { return std::abs(work - stored) <= with_rounding; };
   for (int halvings = 0; halvings < most_halvings && !known(sums.back()); ++halvings) {
     std::vector<Stand> finer{nodes.front()};
     for (std::size_t k = 1; k < nodes.size(); ++k) {

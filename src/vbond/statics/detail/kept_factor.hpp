@@ -45,6 +45,8 @@ class KeptFactor {
   /// The same for each column, which take little longer together than one does, from this X on.
   std::optional<DenseMatrix> solve_columns(const SparseMatrix& A, const DenseMatrix& B, const DenseMatrix& X,
                                            double accuracy);
+  /// M^-1 b: x with A x = b, as nearly as M has followed A.
+  Vector solve_roughly(const Vector& b);
   /// True: A is positive definite, but for a chance of 1e-9. False: not known.
   bool shows_definite(const SparseMatrix& A);
 

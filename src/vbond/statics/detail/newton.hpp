@@ -50,6 +50,9 @@ class TangentSolver {
   bool take(const StaticBody& body);
   /// Whether tangent() is positive definite: by a kept factor if that shows it, else by a new one.
   bool is_definite(const StaticBody& body);
+  /// M^-1 b, M the matrix of a kept factor, which is near tangent(); without one, or where a new one is the
+  /// cheaper way, empty. Takes no tangent at the body's place, but for bonds that have just broken.
+  Vector solve_roughly(const StaticBody& body, const Vector& b);
   /// From now on the tangent lacks what bonds these unknowns: a kept factor follows.
   void note_break(std::vector<int> unknowns);
   bool has_kept() const { return kept_.at_hand(); }
