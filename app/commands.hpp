@@ -67,6 +67,7 @@ struct WatchOptions {
 struct HomogeniseOptions {
   std::string volume;   ///< with or without a unit; empty: of the box around the particles
   std::string surface;  ///< a group; empty: of that box
+  bool along = false;   ///< at each balance of the case's static stages, as CSV
 };
 
 int run(const RunOptions& options);

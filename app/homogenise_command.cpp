@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "commands.hpp"
+#include "homogenise.hpp"
 #include "prepare.hpp"
 #include "vbond/case/arguments.hpp"
 #include "vbond/case/read.hpp"
@@ -111,16 +112,6 @@ void print(const Homogenised& h, const ElasticConstants* C, UnitSystem units) {
   if (C == nullptr) return;
   print_averages(*C);
   print_directions(*C, h.density);
-}
-
-/// Nothing where some strain has no stiffness, or stress has left C without symmetry; `why` says so.
-std::optional<ElasticConstants> constants_of(const Constants& C, std::string& why) {
-  try {
-    return ElasticConstants(C);
-  } catch (const std::invalid_argument& e) {
-    why = e.what();
-    return std::nullopt;
-  }
 }
 
 void tell_of_others(const std::string& why) {
@@ -271,9 +262,18 @@ int of_body(const RunOptions& options, const HomogeniseOptions& body, const Case
 
 }  // namespace
 
+std::optional<ElasticConstants> constants_of(const Constants& C, std::string& why) {
+  try {
+    return ElasticConstants(C);
+  } catch (const std::invalid_argument& e) {
+    why = e.what();
+    return std::nullopt;
+  }
+}
+
 int homogenise(const RunOptions& options, const HomogeniseOptions& body) {
   const Case c = read_case(options.case_file, options.changes);
-  const Built built = build(c);
+  Built built = build(c);
   const auto& periodic = built.model.cell.periodic;
   const auto directions = built.model.cell.any() ? std::count(periodic.begin(), periodic.end(), true) : 0;
   if (directions > 0 && !(body.volume.empty() && body.surface.empty()))
@@ -281,6 +281,12 @@ int homogenise(const RunOptions& options, const HomogeniseOptions& body) {
                             "the body has a periodic cell",
                             "--volume and --surface are for bodies without one",
                             "leave them out"});
+  if (body.along && directions < 3)
+    throw CaseError(Problem{{c.file, 0, 0},
+                            "the body has no cell that repeats in all directions",
+                            "--along takes the balances of such a cell",
+                            "leave it out, or give a [cell]: docs/cell.md"});
+  if (body.along) return homogenise_along(c, std::move(built), options.threads);
   switch (directions) {
     case 0: return of_body(options, body, c, built);
     case 2: return of_sheet(options, built);

@@ -280,6 +280,11 @@ int dispatch(int argc, char** argv, app::Processes& processes) {
       ->add_option("--surface", of_body.surface,
                    "Group whose particles are its surface; without it the box's")
       ->type_name("GROUP");
+  homogenise_command
+      ->add_flag(
+          "--along", of_body.along,
+          "Run the case, and print the constants of its cell at each balance of its static stages, as CSV")
+      ->excludes("--json");
 
   app::FitOptions fit;
   fit.threads = default_threads();

@@ -1,5 +1,6 @@
 """The material that a periodic cell is a piece of, and bonds for a material, through the program."""
 import json
+import math
 from pathlib import Path
 
 import pytest
@@ -139,3 +140,42 @@ def test_silica():
     run_example("silica")
     row = table("silica.out")[-1]
     assert row["cell_stress_zz"] / row["cell_strain_zz"] == pytest.approx(found["E"]["z"], rel=1e-3)
+
+
+PULLED = """[[stage]]
+name = "pull"
+kind = "equilibrium"
+steps = %d
+[stage.cell]
+xx = { strain = 0.04 }
+zz = { strain = -0.02 }
+"""
+
+
+def test_constants_along_a_path_are_how_stress_changes(lattice):
+    """Between balances stress changes by C times logarithmic strains: by central differences, to the second order."""
+    def along(steps):
+        motion = LATTICE[LATTICE.index("[time]"):]
+        Path("pulled.toml").write_text(LATTICE.replace(motion, PULLED % steps), encoding="utf-8")
+        Path("along.csv").write_text(vbond("homogenise", "pulled.toml", "--along").out, encoding="utf-8")
+        rows = table("along.csv")
+        assert [row["load_factor"] for row in rows] == pytest.approx([k / steps for k in range(steps + 1)])
+        return rows
+
+    def error(steps):
+        before, here, after = along(steps)[steps // 2 - 1:steps // 2 + 2]
+        change = {c: math.log((1 + after["cell_strain_" + c]) / (1 + before["cell_strain_" + c])) for c in ("xx", "zz")}
+        by_C = sum(here["C_xx_" + c] * change[c] for c in change)
+        return (after["cell_stress_xx"] - before["cell_stress_xx"]) / by_C - 1
+
+    first, found = along(4)[0], constants(lattice)
+    assert first["C_xx_yy"] == pytest.approx(found["C"][0][1], rel=1e-9)
+    assert first["E_hill"] == pytest.approx(found["hill"]["E"], rel=1e-9)
+    assert abs(error(8)) < 1e-4 and error(4) / error(8) == pytest.approx(4, rel=0.05)
+
+
+def test_along_needs_a_cell_and_balances(lattice):
+    vbond("homogenise", lattice, "--along", status=2, err=["lattice.toml", "no static stage", "leave --along out"])
+    Path("open.toml").write_text(LATTICE[LATTICE.index("[[specimen]]"):], encoding="utf-8")
+    vbond("homogenise", "open.toml", "--along", status=2, err=["open.toml", "repeats in all directions"])
+    vbond("homogenise", lattice, "--along", "--json", status=2, err=["--along", "excludes"])

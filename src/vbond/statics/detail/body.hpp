@@ -44,6 +44,9 @@ inline BondPose<double> bond_pose(const Bond& b, const Placement& at) {
   return bond_pose(b, between(at.r, at.cell, b), at.q[b.i], at.q[b.j]);
 }
 
+/// What two particles that touch do to each other, j by this image, and how that changes.
+PairTangent<3> touch(const Model& m, const State& s, ParticleId i, ParticleId j, const Image& of_j);
+
 /// The largest movement of a particle between the two, or turn of one times this length. Where a cell has
 /// changed: movement beside what the cell carries all particles by, as the first one sees it, and the largest
 /// part by which an edge has changed, times this length.  [length]

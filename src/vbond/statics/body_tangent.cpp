@@ -1,0 +1,224 @@
+// The tangent of a body: what bonds, contacts and terms add to it, and the parts that are not symmetric.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <vector>
+
+#include "vbond/model/state_table.hpp"
+#include "vbond/model/touching.hpp"
+#include "vbond/statics/detail/body.hpp"
+
+namespace vbond {
+namespace {
+
+using Block = Assembly::Block;
+
+Block block_of(const PairTangent<3>& t) {
+  Eigen::Matrix3d d;
+  for (int a = 0; a < 3; ++a)
+    for (int b = 0; b < 3; ++b) d(a, b) = t.d[static_cast<std::size_t>(a)][static_cast<std::size_t>(b)];
+  Block K = Block::Zero();
+  K.block<3, 3>(0, 0) = K.block<3, 3>(6, 6) = d;
+  K.block<3, 3>(0, 6) = K.block<3, 3>(6, 0) = -d;
+  return K;
+}
+
+/// The antisymmetric part of how the force of a bond that has cracked goes with the distance: friction
+/// follows the pressure, and not the other way round. That of a bond that does not slip is rounding.
+double skew_of_friction(const Bond& b, const PairTangent<9>& t) {
+  constexpr double rounding = 1e-12;
+  double largest = 0.0;
+  for (std::size_t k = 0; k < 3; ++k)
+    largest = larger(largest, 0.5 * std::abs(t.d[k][(k + 1) % 3] - t.d[(k + 1) % 3][k]));
+  return largest > rounding * b.law->stiffness(b).c_A ? largest : 0.0;
+}
+
+}  // namespace
+
+PairTangent<3> touch(const Model& m, const State& s, ParticleId i, ParticleId j, const Image& of_j) {
+  return contact_tangent(touch_forms(m.contact), touch_numbers(m, i, j), between(s, i, j, of_j), m.radius[i],
+                         m.radius[j]);
+}
+
+Block block_of(const PairTangent<9>& t, double length) {
+  Block K;
+  const auto d = [&t](int row, int column) {
+    return t.d[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)];
+  };
+  for (int a = 0; a < 3; ++a)
+    for (int b = 0; b < 3; ++b)
+      for (int group = 0; group < 3; ++group) {  // F, M_ij, M_ji
+        const int row = group == 0 ? a : group == 1 ? 3 + a : 9 + a;
+        const int from = 3 * group + a;
+        K(row, b) = d(from, b);
+        K(row, 3 + b) = -d(from, 3 + b);
+        K(row, 6 + b) = -d(from, b);
+        K(row, 9 + b) = -d(from, 6 + b);
+      }
+  K.middleRows<3>(6) = -K.topRows<3>();  // the force on j
+  for (const int turns : {3, 9}) {
+    K.middleRows<3>(turns) /= length;
+    K.middleCols<3>(turns) /= length;
+  }
+  return K;
+}
+
+void StaticBody::lay_out(const std::vector<Assembly::Pair>& touching) const {
+  std::vector<Assembly::Pair> pairs = touching;
+  for (const Bond& b : state_.bonds) {
+    if (b.broken) continue;
+    pairs.push_back({b.i, b.j});
+    if (b.image_j.is_itself() || !has_free_cell()) continue;
+    for (const ParticleId p : {b.i, b.j}) pairs.push_back({p, unknowns_.cell_node()});
+  }
+  for (const RestTerm* t : terms_.all()) t->add_pairs(pairs);
+  stiffness_.assembly.lay_out(pairs);
+  if (flows()) stiffness_.full.lay_out(pairs);
+}
+
+/// Adds the symmetric part of a pair's block, and what held degrees of freedom that move do to free ones.
+void StaticBody::add_pair(ParticleId i, ParticleId j, const Image& of_j, const Block& in_world) const {
+  if (of_j.is_itself() && stiffness_.assembly.move_as_one(i, j)) return;
+  Eigen::Matrix<double, 12, 1> rate;
+  for (int k = 0; k < 3; ++k) {
+    rate[k] = component(held_rate_[i].shift, k), rate[k + 3] = component(held_rate_[i].turn, k);
+    rate[k + 6] = component(held_rate_[j].shift, k), rate[k + 9] = component(held_rate_[j].turn, k);
+  }
+  if (!rate.isZero(0.0)) {
+    const Eigen::Matrix<double, 12, 1> pushed = -in_world * rate;
+    unknowns_.add_load(i, {{pushed[0], pushed[1], pushed[2]}, {pushed[3], pushed[4], pushed[5]}},
+                       stiffness_.load_direction);
+    unknowns_.add_load(j, {{pushed[6], pushed[7], pushed[8]}, {pushed[9], pushed[10], pushed[11]}},
+                       stiffness_.load_direction);
+  }
+  const Block K = stiffness_.assembly.in_axes(i, j, in_world);
+  stiffness_.assembly.add(i, j, 0.5 * (K + K.transpose()));
+  if (flows()) stiffness_.full.add(i, j, K);
+  if (!of_j.is_itself() && moves_cell()) add_image(i, j, of_j, in_world);
+}
+
+/// What terms change with the load factor goes to the load direction, what it does to a cell that gives way
+/// too.
+void StaticBody::add_load_rates() const {
+  const std::size_t n = model_.particles();
+  LoadSum rates;
+  rates.loads = {PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)};
+  for (const RestTerm* t : terms_.all()) t->add_load_rates(rates);
+  stiffness_.load_direction += on_unknowns(rates.loads);
+  for (std::size_t c = 0; has_free_cell() && c < 6; ++c) {
+    const int row = unknowns_.of_cell(c);
+    if (row == Unknowns::held) continue;
+    for (std::size_t a = 0; a < 3; ++a)
+      stiffness_.load_direction[row] -=
+          dot(rates.of_cell.row[a], cell_row_[c].row[a]) / unknowns_.cell_length();
+  }
+}
+
+const StaticBody::Stiffness& StaticBody::stiffness_at_hand() const {
+  if (stiffness_.current) return stiffness_;
+  std::vector<Assembly::Pair> touching;
+  std::vector<Image> images;  // of their second particles
+  for_touching_pairs(model_, state_, [&](ParticleId i, ParticleId j, const Image& n, double) {
+    touching.push_back({i, j});
+    images.push_back(n);
+  });
+  std::vector<Assembly::Pair> to_lay_out = touching;
+  for (std::size_t k = 0; has_free_cell() && k < touching.size(); ++k)
+    if (!images[k].is_itself())
+      for (const ParticleId p : {touching[k].first, touching[k].second})
+        to_lay_out.push_back({p, unknowns_.cell_node()});
+  Assembly& assembly = stiffness_.assembly;
+  const auto is_new = [&](const Assembly::Pair& p) { return !assembly.has(p.first, p.second); };
+  if (assembly.version() == 0 || std::any_of(to_lay_out.begin(), to_lay_out.end(), is_new))
+    lay_out(to_lay_out);
+
+  assembly.clear();
+  stiffness_.friction = 0.0;
+  if (flows()) stiffness_.full.clear();
+  const std::size_t n = model_.particles();
+  Loads with_factor{PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)}, constant = with_factor;
+  add_applied(1.0, with_factor);
+  add_applied(0.0, constant);
+  stiffness_.load_direction = on_unknowns(with_factor) - on_unknowns(constant);
+  if (relief_.size() > 0) stiffness_.load_direction += relief_;
+  if (has_free_cell()) look_at_mixing();
+  if (!terms_.all().empty()) add_load_rates();
+  for (const BondId k : state_.bonds.ids()) {
+    const Bond& b = state_.bonds[k];
+    if (b.broken) continue;
+    const PairTangent<9> t = b.law->tangent(b, bond_pose(b, state_), history_before(k));
+    add_pair(b.i, b.j, b.image_j, block_of(t, unknowns_.length()));
+    if (is_cracked(b)) stiffness_.friction = larger(stiffness_.friction, skew_of_friction(b, t));
+  }
+  for (std::size_t k = 0; k < touching.size(); ++k) {
+    const auto& [i, j] = touching[k];
+    add_pair(i, j, images[k], block_of(touch(model_, state_, i, j, images[k])));
+  }
+  if (has_free_cell()) add_own_of_cell();
+  for (const RestTerm* t : terms_.all()) t->add_stiffness(stiffness_);
+  add_arms();
+  add_followers();
+  stiffness_.current = true;
+  return stiffness_;
+}
+
+void StaticBody::for_image_blocks(
+    const std::function<void(ParticleId, ParticleId, const Image&, const Block&)>& visit) const {
+  const auto of_pair = [&](ParticleId i, ParticleId j, const Image& n, const Block& in_world) {
+    const Block K = stiffness_.assembly.in_axes(i, j, in_world);
+    visit(i, j, n, 0.5 * (K + K.transpose()));
+  };
+  for (const BondId k : state_.bonds.ids()) {
+    const Bond& b = state_.bonds[k];
+    if (b.broken || b.image_j.is_itself()) continue;
+    const PairTangent<9> t = b.law->tangent(b, bond_pose(b, state_), history_before(k));
+    of_pair(b.i, b.j, b.image_j, block_of(t, unknowns_.length()));
+  }
+  for_touching_pairs(model_, state_, [&](ParticleId i, ParticleId j, const Image& n, double) {
+    if (!n.is_itself()) of_pair(i, j, n, block_of(touch(model_, state_, i, j, n)));
+  });
+}
+
+double StaticBody::moment_part() const {
+  const Loads applied = moments_at_carriers();
+  double largest = 0.0;
+  for (const ParticleId p : applied.M.ids()) {
+    const Vec3d m = outside_moment(p, applied);
+    for (int k = 0; k < 3; ++k) {
+      const bool both_free = unknowns_.of(p, 3 + (k + 1) % 3) != Unknowns::held &&
+                             unknowns_.of(p, 3 + (k + 2) % 3) != Unknowns::held;
+      if (both_free) largest = std::max(largest, 0.5 * std::abs(component(m, k)) / sq(unknowns_.length()));
+    }
+  }
+  for_followers([&](int, int, double K) { largest = std::max(largest, std::abs(K)); });
+  for (const RestTerm* t : terms_.all()) largest = std::max(largest, t->largest_skew());
+  if (flows()) largest = std::max(largest, friction_part());
+  if (!has_free_cell()) return largest;
+  constexpr double rounding = 1e-14;  // of the tangent: its rows and columns are summed up differently
+  const Stiffness& s = stiffness_at_hand();
+  const double of_cell = s.skew.norm();
+  return of_cell > rounding * max_norm(s.assembly.matrix().diagonal()) ? std::max(largest, of_cell) : largest;
+}
+
+SparseMatrix StaticBody::full_tangent() const {
+  if (flows()) return stiffness_at_hand().full.matrix();  // moments from outside are what bonds leave
+  SparseMatrix K = tangent();
+  const Loads applied = moments_at_carriers();
+  for (const ParticleId p : applied.M.ids()) {
+    const Vec3d m = (0.5 / sq(unknowns_.length())) * outside_moment(p, applied);
+    if (m == Vec3d{}) continue;
+    const double S[3][3] = {{0, m.z, -m.y}, {-m.z, 0, m.x}, {m.y, -m.x, 0}};
+    for (int a = 0; a < 3; ++a)
+      for (int b = 0; b < 3; ++b) {
+        const int row = unknowns_.of(p, 3 + a), column = unknowns_.of(p, 3 + b);
+        if (a != b && row != Unknowns::held && column != Unknowns::held) K.coeffRef(row, column) += S[a][b];
+      }
+  }
+  const auto add = [&](int row, int column, double x) { K.coeffRef(row, column) += x; };
+  for_followers(add);
+  for (const RestTerm* t : terms_.all()) t->for_skew(add);
+  add_skew_of_cell(K);
+  return K;
+}
+
+}  // namespace vbond
