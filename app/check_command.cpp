@@ -77,7 +77,10 @@ std::string solver_in_words(const StaticStage& stage, const SolverChoice& choice
   const std::string factor = bytes_in_units(choice.factor_bytes);
   if (will_be_refused(choice))
     return fmt::format("none: stage {} will be refused, its factor of {} does not fit", stage.name, factor);
-  if (choice.direct) return fmt::format("direct, with a factor of {} in stage {}", factor, stage.name);
+  if (choice.direct)
+    return fmt::format(
+        "direct, with a factor of {} in stage {}{}", factor, stage.name,
+        choice.quicker_by_multigrid ? "; multigrid is much quicker here: vbond-petsc, docs/install.md" : "");
   if (choice.multigrid && choice.factor_bytes > 0.0)
     return fmt::format("multigrid: a factor would take {} in stage {}", factor, stage.name);
   return "multigrid";

@@ -1,4 +1,5 @@
 """Static stages as a user meets them: in one run with dynamics, stopped and resumed, failing, and what they leave behind."""
+import json
 import os
 import re
 import shutil
@@ -34,6 +35,68 @@ def whole(work):
     vbond("run", HERE / "statics.toml", "-o", "whole", out=["stable, smallest eigenvalue", "frequency           period",
                                                             "exact; bound 1, from", "error of the energy balance: "]).silent()
     return "whole"
+
+
+BLOCK = """[[specimen]]
+kind = "block"
+cells = [{0}, {0}, {0}]
+radius = 0.5
+mass = 1.0
+[[bonds]]
+distance = 1.1
+stiffness = {{ c_A = 1.0, c_D = 0.4, c_B = 0.05, c_T = 0.05 }}
+[groups]
+low = {{ plane = {{ point = [0, 0, 0], normal = [0, 0, 1], within = 0.1 }} }}
+[[stage]]
+kind = "equilibrium"
+gravity = [0, 0, -1e-6]
+supports = [{{group = "low", fix = ["x", "y", "z", "rx", "ry", "rz"]}}]
+"""
+
+
+def test_check_says_where_multigrid_is_much_quicker(work):
+    """docs/decisions/statics.md: of blocks it is from 20 particles along an edge on, and not at 8."""
+    for cells, quicker in ((20, True), (8, False)):
+        Path("block.toml").write_text(BLOCK.format(cells), encoding="utf-8")
+        said = vbond("check", "block.toml").out
+        assert "solver           direct, with a factor of " in said and ("vbond-petsc" in said) == quicker
+
+
+PRESSED = """[[specimen]]
+name = "block"
+kind = "block"
+cells = [4, 4, 3]
+origin = [0, 0, 1]
+mass = 1.0
+radius = 0.5
+[[specimen]]
+name = "slab"
+kind = "block"
+cells = [4, 4, 1]
+mass = 1.0
+radius = 0.5
+[[bonds]]
+between = ["block", "block"]
+distance = 1.1
+stiffness = {c_A = 1.0, c_D = 0.3, c_B = 0.1, c_T = 0.1}
+strength = {criterion = "linear", axial_force = 5e-4, shear_force = 1.0, bending_moment = 1.0, torque = 1.0}
+[contact]
+law = "paper-hertz"
+c_H = 0.1
+[groups.top]
+plane = {point = [0, 0, 3], normal = [0, 0, 1], within = 0.1}
+[[stage]]
+kind = "fracture"
+steps = 10
+supports = [{group = "slab", rigid = true}, {group = "top", rigid = true, displacement = [0, 0, -5e-5]}]
+"""
+
+
+def test_books_close_where_bounds_of_rounding_are_large(work):
+    """Energies are small beside their bounds of rounding. A trapezium of each of ten steps leaves 2.1e-3 of the work."""
+    Path("pressed.toml").write_text(PRESSED, encoding="utf-8")
+    vbond("run", "pressed.toml", "-o", "pressed")
+    assert abs(json.loads(Path("pressed/run.json").read_text(encoding="utf-8"))["stages"][0]["fracture"]["energy"]["balance_error"]) < 5e-4
 
 
 def test_a_cantilever_is_bent_and_let_go(whole):

@@ -28,12 +28,22 @@ double accuracy_for(const StaticBody& body, const NewtonSettings& settings) {
   return std::clamp(1e-2 * settings.tolerance / body.residual(), 1e-6, 1e-2);
 }
 
-/// Whether the last correction, if any, has left little of what was unbalanced: the kept factor is then good
-/// enough for the next one, which costs no tangent.
-bool falls_fast(const std::vector<double>& residuals) {
+/// Corrections by the kept factor alone, which take no tangent, as long as each leaves less than a tenth of
+/// what was unbalanced and is_good(where it began) besides; one that does not is taken back.
+template <class IsGood>
+void correct_roughly(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings,
+                     const IsGood& is_good) {
   constexpr double fast = 0.1;
-  const std::size_t n = residuals.size();
-  return n < 2 || residuals[n - 1] < fast * residuals[n - 2];
+  while (!in_balance(body, settings)) {
+    const double residual = body.residual();
+    const Vector x = solver.solve_roughly(body, body.unbalanced());
+    if (x.size() == 0 || !(change_of(body, x) <= largest_change)) return;
+    const Placement from = body.placement();
+    body.move(x, from.load_factor);
+    if (body.residual() < fast * residual && is_good(from)) continue;
+    body.restore(from);
+    return;
+  }
 }
 
 }  // namespace
@@ -102,12 +112,8 @@ NewtonOutcome correct(StaticBody& body, TangentSolver& solver, const NewtonSetti
     if (n > 2 && !(residuals[n - 1] < growth * residuals[n - 2]))
       return NewtonStop{
           fmt::format("the unbalanced force grows, to {:.2g} of the largest", residuals.back())};
-    if (falls_fast(residuals))
-      if (const Vector x = solver.solve_roughly(body, body.unbalanced());
-          x.size() > 0 && x.allFinite() && change_of(body, x) <= largest_change) {
-        body.move(x, body.load_factor());
-        return {};
-      }
+    correct_roughly(body, solver, settings, [](const Placement&) { return true; });
+    if (in_balance(body, settings)) return {};
     if (!solver.take_full(body)) return singular();
     Vector x;
     try {
@@ -138,30 +144,38 @@ class Descent {
   }
 
   /// False if nothing lower, or better balanced, was found in the direction.
-  bool step(const std::vector<double>& residuals) {
-    if (shift_ == 0.0 && falls_fast(residuals))
-      if (const Vector x = solver_.solve_roughly(body_, body_.unbalanced());
-          is_downhill(x) && search(limited(body_, x)))
-        return true;
+  bool step() {
+    if (shift_ == 0.0) step_roughly();
+    if (in_balance(body_, settings_)) return true;
     const Vector x = direction();
     return x.size() > 0 && search(x);
   }
 
  private:
-  bool is_downhill(const Vector& x) const {
-    return x.size() > 0 && x.allFinite() && x.dot(body_.unbalanced()) > 0.0;
+  /// Near balance the potential says nothing any more of a step that lowers it by so much.
+  bool is_unknowable(double lowering) const {
+    return std::abs(lowering) <= 1e3 * body_.rounding_of_potential();
+  }
+
+  void step_roughly() {
+    double energy = body_.potential();
+    correct_roughly(body_, solver_, settings_, [&](const Placement& from) {
+      const double change = body_.potential_change(from, std::exchange(energy, body_.potential()));
+      return change < 0.0 || is_unknowable(change);
+    });
   }
 
   Vector direction() {
     const Vector& g = body_.unbalanced();
+    const auto downhill = [&g](const Vector& x) { return x.size() > 0 && x.allFinite() && x.dot(g) > 0.0; };
     const bool ready = shift_ == 0.0 ? solver_.take_definite(body_) : solver_.factor_definite(body_, shift_);
     if (!ready && !find_shift()) return {};
     if (shift_ == 0.0)
-      if (const Vector x = solver_.solve_full(body_, g, accuracy_for(body_, settings_)); is_downhill(x))
+      if (const Vector x = solver_.solve_full(body_, g, accuracy_for(body_, settings_)); downhill(x))
         return limited(body_, x);
     Vector x = solver_.solve(g);
-    while (!is_downhill(x) && find_shift()) x = solver_.solve(g);  // multigrid tells only now
-    return is_downhill(x) ? limited(body_, x) : Vector();
+    while (!downhill(x) && find_shift()) x = solver_.solve(g);  // multigrid tells only now
+    return downhill(x) ? limited(body_, x) : Vector();
   }
 
   /// The least shift, within a factor of 10, that makes the tangent positive definite; above the present one.
@@ -180,14 +194,13 @@ class Descent {
 
   bool search(const Vector& x) {
     const Placement from = body_.placement();
-    const double energy = body_.potential(), rounding = body_.rounding_of_potential();
+    const double energy = body_.potential();
     const double slope = x.dot(body_.unbalanced()), residual = body_.residual();
     double length = 1.0;
     for (int halvings = 0; halvings < 40; ++halvings, length *= 0.5) {
       const double change = try_at(length, x, from, energy);
-      // near balance the potential says nothing any more: then the residual decides
       const bool lower = change <= -1e-4 * length * slope;
-      const bool unknowable = std::abs(length * slope) <= 1e3 * rounding;
+      const bool unknowable = is_unknowable(length * slope);  // then the residual decides
       const double left = body_.residual();
       if ((lower && std::isfinite(left)) || (unknowable && left < residual)) {
         if (lower && halvings == 0 && shift_ > 0.0) go_farther(x, from, energy, change);
@@ -231,7 +244,7 @@ NewtonOutcome minimise(StaticBody& body, TangentSolver& solver, const NewtonSett
                        const std::function<bool()>& interrupted) {
   Descent descent(body, solver, settings);
   const NewtonStep step = [&](const std::vector<double>& residuals) -> std::optional<NewtonStop> {
-    if (descent.step(residuals)) return {};
+    if (descent.step()) return {};
     return NewtonStop{
         fmt::format("no way downhill at an unbalanced force of {:.2g} of the largest", residuals.back()),
         close_to_rounding(body)};

@@ -169,7 +169,8 @@ SolverChoice choose_solver(const Model& model, const StaticStage& stage, const S
   TangentSolver solver(stage.newton.solver);
   const TangentSolver::Choice choice = solver.choose(body);
   return {choice == TangentSolver::Choice::direct, choice == TangentSolver::Choice::multigrid,
-          solver.last_factor().bytes()};
+          solver.last_factor().bytes(),
+          choice == TangentSolver::Choice::direct && solver.would_be_quicker_by_multigrid(body)};
 }
 
 }  // namespace vbond

@@ -42,6 +42,7 @@ struct SolverChoice {
   bool multigrid = false;   ///< neither: the factor does not fit into memory
   double factor_bytes = 0;  ///< of the direct solver's factor, also where it does not fit; infinite: it has
                             ///< more than 2^31 entries, and cannot be made; 0: not looked at
+  bool quicker_by_multigrid = false;  ///< direct, but a build with multigrid would be much quicker
 };
 
 /// The choice for a stage that begins in this state: works out the pattern of its tangent and the order of

@@ -22,6 +22,11 @@ bool multigrid_pays(const Factor& factor, const StaticBody& body) {
   return factor.operations() > operations_per_entry * static_cast<double>(body.tangent().nonZeros());
 }
 
+/// What multigrid cannot do needs factors.
+bool suits_multigrid(const StaticBody& body) {
+  return body.stage().kind != StageKind::fracture && !body.has_free_grips() && !body.has_free_cell();
+}
+
 }  // namespace
 
 TangentSolver::TangentSolver(LinearSolver wanted, FactorUse factors) : wanted_(wanted), factors_(factors) {}
@@ -33,10 +38,13 @@ TangentSolver::Choice TangentSolver::choose(const StaticBody& body) {
   factor_.analyse(body.tangent());
   if (wanted_ == LinearSolver::direct) return Choice::direct;
   const bool fits = factor_.bytes() <= share_of_memory * memory_limit();
-  const bool may = has_multigrid() && body.stage().kind != StageKind::fracture && !body.has_free_grips() &&
-                   !body.has_free_cell();
-  if (may && (!fits || multigrid_pays(factor_, body))) return Choice::multigrid;
+  if (has_multigrid() && suits_multigrid(body) && (!fits || multigrid_pays(factor_, body)))
+    return Choice::multigrid;
   return fits ? Choice::direct : Choice::none;
+}
+
+bool TangentSolver::would_be_quicker_by_multigrid(const StaticBody& body) const {
+  return !has_multigrid() && suits_multigrid(body) && multigrid_pays(factor_, body);
 }
 
 void TangentSolver::prepare(const StaticBody& body) {
@@ -175,9 +183,9 @@ bool TangentSolver::take(const StaticBody& body) {
 }
 
 Vector TangentSolver::solve_roughly(const StaticBody& body, const Vector& b) {
-  if (!kept_.at_hand() || body.is_unsymmetric() || (!breaks_.empty() && !kept_for(body)) || kept_.is_due())
-    return {};
-  return kept_.solve_roughly(b);
+  if (!kept_.at_hand() || body.is_unsymmetric() || kept_.is_due()) return {};
+  const bool knows_breaks = breaks_.empty() || kept_for(body);
+  return knows_breaks ? kept_.solve_roughly(b) : Vector();
 }
 
 bool TangentSolver::is_definite(const StaticBody& body) {

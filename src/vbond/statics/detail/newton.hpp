@@ -30,6 +30,8 @@ class TangentSolver {
   /// Finds the order of elimination, and what is wanted, or what memory and time speak for; none: the factor
   /// does not fit and there is no multigrid.
   Choice choose(const StaticBody& body);
+  /// After choose(): a build with multigrid would have taken that because it is quicker.
+  bool would_be_quicker_by_multigrid(const StaticBody& body) const;
   /// Makes ready for what choose() says, unless it has done so for this pattern. Throws NoEquilibrium if
   /// there is none, or where multigrid is wanted and this build, or this kind of stage, has none.
   void prepare(const StaticBody& body);
@@ -50,8 +52,9 @@ class TangentSolver {
   bool take(const StaticBody& body);
   /// Whether tangent() is positive definite: by a kept factor if that shows it, else by a new one.
   bool is_definite(const StaticBody& body);
-  /// M^-1 b, M the matrix of a kept factor, which is near tangent(); without one, or where a new one is the
-  /// cheaper way, empty. Takes no tangent at the body's place, but for bonds that have just broken.
+  /// M^-1 b, M the matrix of a kept factor, which is near tangent() as a rule; empty without one, or where a
+  /// new one is the cheaper way on. Takes a tangent only if bonds have broken since the last one. Contacts
+  /// that are new since then are not in M.
   Vector solve_roughly(const StaticBody& body, const Vector& b);
   /// From now on the tangent lacks what bonds these unknowns: a kept factor follows.
   void note_break(std::vector<int> unknowns);
