@@ -43,8 +43,6 @@ labtest::StrengthGoal goal_of(const StrengthOptions& o, UnitSystem units) {
   labtest::StrengthGoal goal;
   goal.asked.tensile = positive_argument(arguments, "--tensile", o.tensile, keys::stress, units);
   goal.asked.compressive = positive_argument(arguments, "--compressive", o.compressive, keys::stress, units);
-  if (o.tensile.empty() && o.compressive.empty())
-    arguments.problem("--tensile", "", "is empty", "give a strength, or leave it out");
   goal.within = arguments.number(o.within, "--within", keys::pure);
   if (goal.within < 1e-4 || goal.within > 0.5)
     arguments.problem("--within", o.within, "must be from 1e-4 to 0.5, a part of each strength", "e.g. 0.01");
@@ -96,6 +94,22 @@ bool is_same_case(const fs::path& folder, Case c, const labtest::MadeTest& made,
     return false;
   }
   return labtest::case_text(c, made, text.title, text.command) == before;
+}
+
+/// Changes of keys with which the case has these factors: those of the user but for limits, which are set
+/// once.
+std::vector<std::string> changes_with(const Calibrated& all, const labtest::StrengthFactors& factors) {
+  std::vector<std::string> changes;
+  for (const std::string& change : all.options.changes) {
+    const std::string key = change.substr(0, change.find('='));
+    const auto is_limit = [&key](const BondLimit& limit) {
+      return key.ends_with(std::string(".strength.") + limit.key);
+    };
+    if (std::none_of(all.limits.begin(), all.limits.end(), is_limit)) changes.push_back(change);
+  }
+  const std::vector<std::string> limits = changes_of(all.limits, factors);
+  changes.insert(changes.end(), limits.begin(), limits.end());
+  return changes;
 }
 
 /// By how much a test in motion is too fast: 1 is the limit.
@@ -184,8 +198,7 @@ class Tests {
       made = labtest::make_test(labtest::body_of(c, built_, request), request);
     }
     RunOptions options = all_.options;
-    const std::vector<std::string> changes = changes_of(all_.limits, factors);
-    options.changes.insert(options.changes.end(), changes.begin(), changes.end());
+    options.changes = changes_with(all_, factors);
     const TestText text{c.title.empty() ? test.kind + " test" : test.kind + " test: " + c.title,
                         test_command_of(options, test), Prints::nothing};
     std::string name = fmt::format("{:02}-{}", number_, test.kind);

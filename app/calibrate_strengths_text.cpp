@@ -82,10 +82,9 @@ std::string other_ways(const Calibrated& all, bool more) {
     if (const StrengthSpec& s = *all.c.bonds[limit.set].strength; s.moments && *s.moments > 0.0)
       share = fmt::format(" (now {:.3g})", *s.moments);
   return more ? "what raises it further: a smaller moment_share" + share +
-                    ", more bonds to each grain (gap_factor), a larger friction_angle, or flat joints with "
-                    "friction (flat_joint)"
+                    ", more bonds to each grain (gap_factor), or flat joints with friction (flat_joint)"
               : "what lowers it further: a larger moment_share" + share +
-                    ", fewer bonds to each grain (gap_factor), or a smaller friction_angle";
+                    ", or fewer bonds to each grain (gap_factor)";
 }
 
 std::string last_without_strength(const Calibrated& all) {

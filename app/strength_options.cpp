@@ -9,6 +9,7 @@ std::vector<CLI::Option*> add_strengths(CLI::App* command, StrengthOptions& o, R
   CLI::Option* of_case = command->get_option("CASE");
   const auto target = [&](const char* name, std::string& to, const char* text) {
     CLI::Option* option = command->add_option(name, to, text)->type_name("STRESS")->needs(of_case);
+    option->check([](const std::string& word) { return std::string(word.empty() ? "is empty" : ""); });
     for (const char* other :
          {"--E", "--nu", "--bending", "--length", "--diameter", "--inner-diameter", "--side", "--A", "--J",
           "--J_p", "--kappa", "--thickness", "--theory", "--from"})
