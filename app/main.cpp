@@ -17,6 +17,7 @@
 #include "fit.hpp"
 #include "processes.hpp"
 #include "run_options.hpp"
+#include "strengths.hpp"
 #include "test.hpp"
 #include "vbond/core/nearest.hpp"
 #include "vbond/dynamics/kernel.hpp"
@@ -72,9 +73,12 @@ void add_calibrate(CLI::App& app, CalibrateOptions& o, PublishedBonds& published
                    std::string& bending, CLI::App*& command) {
   command = app.add_subcommand("calibrate",
                                "Bond stiffnesses from E and nu: of one bond from its section, length and "
-                               "theory; with CASE of all bonds of a periodic cell that is to have them");
-  CLI::Option* of_case = command->add_option(
-      "CASE", body.case_file, "Case file (TOML) with a periodic cell, whose bonds get factors");
+                               "theory; with CASE of all bonds of a periodic cell that is to have them; or "
+                               "limits of bonds from the strengths of a body");
+  CLI::Option* of_case =
+      command->add_option("CASE", body.case_file,
+                          "Case file (TOML) with a periodic cell, whose bonds get factors; or "
+                          "with a body, for strengths");
   command->add_option("--set", body.changes, "KEY=VALUE: another value of a key of the case; may be repeated")
       ->allow_extra_args(false)
       ->needs(of_case);
@@ -308,6 +312,9 @@ int dispatch(int argc, char** argv, app::Processes& processes) {
   PublishedBonds published;
   std::string bending = "area";
   add_calibrate(program, calibrate, published, run, bending, calibrate_command);
+  app::StrengthOptions strengths;
+  add_threads(calibrate_command, run.threads);
+  const std::vector<CLI::Option*> for_strengths = app::add_strengths(calibrate_command, strengths, run);
 
   Hidden hidden;
   add_hidden(program, hidden);
@@ -351,6 +358,9 @@ int dispatch(int argc, char** argv, app::Processes& processes) {
   if (hidden.completion->parsed()) return app::completion(program, hidden.shell);
   if (hidden.manual->parsed())
     return hidden.folder ? app::write_manual(program, *hidden.folder) : app::manual(program, hidden.command);
+  if (calibrate_command->count("--tensile") + calibrate_command->count("--compressive") > 0)
+    return app::calibrate_strengths(run, strengths);
+  app::refuse_without_strengths(for_strengths);
   if (!run.case_file.empty() && calibrate_command->count("--nu") == 0) calibrate.nu.clear();
   if (!run.case_file.empty()) return app::calibrate_body(run, calibrate, bending);
   return app::calibrate(calibrate, published);

@@ -26,7 +26,9 @@ std::pair<Case, Built> body_of(const RunOptions& options) {
     throw CaseError(Problem{{c.file, 0, 0},
                             "the body has no periodic cell, or one that is open in some direction",
                             "bonds are calibrated in a cell that repeats in all three directions",
-                            "give a [cell]: docs/cell.md"});
+                            "calibrate a cell of the same grains, and give its bonds to the body: "
+                            "docs/cell.md; vbond homogenise says what E and nu the body has now, and "
+                            "--tensile and --compressive are for bodies without a cell"});
   return {std::move(c), std::move(built)};
 }
 

@@ -54,6 +54,8 @@ mistakes = {
     "a theory that is none": (lambda: vbond.calibrate(1, 1, diameter=0.1, theory="mine"), ValueError, "mine.*timoshenko"),
     "a sweep of nothing": (lambda: vbond.sweep(case(), "nowhere", {}), ValueError, "no key to sweep"),
     "an unknown option of a test": (lambda: vbond.laboratory_test(case(), "tension", "nowhere", length=2), ValueError, "length.*axis"),
+    "an unknown option of strengths": (lambda: vbond.calibrate_strengths(case(), "nowhere", tensile=1, span=2), ValueError, "span.*axis"),
+    "no strengths to calibrate": (lambda: vbond.calibrate_strengths(case(), "nowhere"), ValueError, "tensile, compressive"),
     "a fit of nothing": (lambda: vbond.fit(case(), "data.csv", "nowhere.toml", [], "time", {}), ValueError, "vary is a list"),
 }
 

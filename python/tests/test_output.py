@@ -133,6 +133,19 @@ def test_a_laboratory_test_is_the_result_as_a_dict(tmp_path):
         vbond.laboratory_test(case, "brazilian", tmp_path / "pressed")
 
 
+def test_strengths_are_calibrated(tmp_path):
+    # the columns of a cubic lattice bear the limit of their bonds over all of the section
+    case = vbond.Case.from_dict({"specimen": [{"kind": "block", "cells": [3, 3, 8], "mass": 1.0, "radius": 0.5}],
+                                 "bonds": [{"distance": 1.1, "theory": "bernoulli-euler", "E": 1.0, "nu": 0.0,
+                                            "section": {"shape": "square", "side": 1.0},
+                                            "strength": {"criterion": "stress", "tension": 1e-3, "shear": 1e-2}}],
+                                 "stage": [{"duration": 1}]})
+    found = vbond.calibrate_strengths(case, tmp_path / "found", tensile=2e-3)
+    assert found["end"] == "reached" and found["nearest"]["changes"][0].startswith("bonds[0].strength.tension=0.002")
+    none = vbond.calibrate_strengths(case, tmp_path / "none", compressive=1e-3, strain=1e-3)  # columns do not break
+    assert none["end"] == "no strength" and none["nearest"] is None and "no peak" in none["failure"]
+
+
 def test_a_fit_is_the_result_as_a_dict(tmp_path):
     examples = Path(__file__).resolve().parents[2] / "examples"
     case = vbond.Case.from_file(examples / "stem_bending.toml")

@@ -31,7 +31,7 @@ from . import plots
 from .cases import Case, calibrate, list_keys
 from .command import ProgramError, find_program
 from .output import Frame, Output, open
-from .program import fit, laboratory_test, run, sweep
+from .program import calibrate_strengths, fit, laboratory_test, run, sweep
 from .runs import Run
 from .statics import StaticSolution, buckling, equilibrium, fracture, homogenise, homogenise_body, homogenise_sheet, modes, path
 
@@ -39,7 +39,7 @@ __all__ = [
     "Case", "CaseError", "CriticalLoad", "Diverged", "Error", "FractureEnergy", "FractureResult", "Frame", "IoError",
     "NaturalMode", "NoEquilibrium", "Output", "ProgramError", "Run", "RunWarning", "SpecialPoint", "StageResult", "State",
     "StaticResult", "StaticSolution", "__version__", "better_blas_kernel",
-    "blas_kernel", "buckling", "calibrate", "equilibrium", "find_program",
+    "blas_kernel", "buckling", "calibrate", "calibrate_strengths", "equilibrium", "find_program",
     "fit", "fracture", "homogenise", "homogenise_body", "homogenise_sheet", "laboratory_test", "list_keys", "modes", "open", "path", "plots",
     "run", "sweep",
 ]

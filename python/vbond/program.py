@@ -124,6 +124,32 @@ def laboratory_test(case: Case, kind: str, folder: str | os.PathLike, *, pressur
     return found
 
 
+def calibrate_strengths(case: Case, folder: str | os.PathLike, *, tensile: float | str | None = None, compressive: float | str | None = None,
+                        within: float = 0.01, motion: bool = False, threads: int | None = None, quiet: bool = True,
+                        **options: float | str) -> dict[str, Any]:
+    """Finds limits of bonds with which the body of the case has these strengths in laboratory tests, and returns what
+    result.json has but for the name of the case (docs/material.md). One that has not reached them says so as "end" and
+    "failure". folder: new, holds the tests; within: relative; options: axis, ends, strain, drop, area, depth, rate, damping, as
+    behind their names on the command line. ProgramError if there is no result."""
+    known = ("axis", "ends", "strain", "drop", "area", "depth", "rate", "damping")
+    if wrong := sorted(set(options) - set(known)):
+        raise ValueError(f"calibrate_strengths: {wrong[0]!r} is no option; they are {', '.join(known)}")
+    if tensile is None and compressive is None:
+        raise ValueError("calibrate_strengths: give tensile, compressive or both")
+    words = ["-o", os.fspath(folder), "--within", str(within)] + ["--motion"] * motion
+    for option, value in [*options.items(), ("tensile", tensile), ("compressive", compressive), ("threads", threads)]:
+        words += [] if value is None else [f"--{option}={value}"]
+    try:
+        with _as_file(case) as file:
+            run_program(["calibrate", file, *words], quiet)
+    except ProgramError as e:
+        if e.status != 1 or not Path(folder, "result.json").exists():  # 1 with a result: not reached, which it says
+            raise
+    found = json.loads(Path(folder, "result.json").read_text(encoding="utf-8"))
+    del found["case"], found["command"]  # of a file that was there for this call alone
+    return found
+
+
 def _cell(text: str) -> Any:
     try:
         return float(text) if text else None

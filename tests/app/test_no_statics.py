@@ -33,6 +33,12 @@ def test_laboratory_tests_at_rest_are_refused():
     assert not Path("pulled").exists()
 
 
+def test_strengths_at_rest_are_refused():
+    vbond("calibrate", EXAMPLES / "packed_cylinder.toml", "--tensile", "1 MPa", "-o", "strong", status=2,
+          err=["this vbond was built without statics", "--motion"])
+    assert not Path("strong").exists()
+
+
 def test_fits_are_refused():
     write("data.csv", "time,total\n0,1\n")
     vbond("fit", EXAMPLES / "two_particles.toml", "data.csv", "--vary", "bonds[0].E", "--x", "time", "--compare", "total", status=2,

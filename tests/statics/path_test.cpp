@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "vbond/statics/detail/crossing.hpp"
+#include "vbond/core/crossing.hpp"
 #include "walks.hpp"
 
 namespace vbond::path_test {

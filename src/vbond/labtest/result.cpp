@@ -205,21 +205,28 @@ std::optional<std::size_t> row_of_splitting(const std::vector<Row>& rows, std::s
   return std::nullopt;
 }
 
+void tell_no_peak(TestResult& result, std::string why) {
+  result.notes.push_back(why);
+  result.no_peak = std::move(why);
+}
+
 /// Tells that a test in motion is over before it was well under way.
 bool ended_too_soon(const MadeTest& test, const std::vector<Row>& rows, std::size_t begin, std::size_t peak,
                     TestResult& result) {
   const double strain = rows[peak].at.strain;
   if (test.request.at_rest || (peak - begin >= 20 && strain >= 0.1 * test.end_strain)) return false;
-  result.notes.push_back(fmt::format(
-      "the peak comes after {} rows, at a strain of {:.3g} of {:.3g}, while the platens set in: neither a "
-      "strength nor moduli follow; give --strain {:.2g}, about twice the strain at the peak",
-      peak - begin, strain, test.end_strain, 2.0 * strain));
+  tell_no_peak(
+      result,
+      fmt::format("the peak comes after {} rows, at a strain of {:.3g} of {:.3g}, while the platens set in: "
+                  "neither a "
+                  "strength nor moduli follow; give --strain {:.2g}, about twice the strain at the peak",
+                  peak - begin, strain, test.end_strain, 2.0 * strain));
   return true;
 }
 
 void find_peak(const MadeTest& test, const std::vector<Row>& rows, std::size_t peak, TestResult& result) {
   if (!test.breaks) {
-    result.notes.push_back("no bond has a strength: there is no peak to look for");
+    tell_no_peak(result, "no bond has a strength: there is no peak to look for");
     return;
   }
   const CurvePoint& most = rows[peak].at;
@@ -239,18 +246,19 @@ void find_peak(const MadeTest& test, const std::vector<Row>& rows, std::size_t p
   if (most.stress > 0.0 && (collapsed || least_after <= (1.0 - test.request.drop) * most.stress)) {
     const bool unstable = result.ended == "lost stability";
     if (!unstable || result.breaks > 0) result.peak = most;
-    if (unstable)
+    if (unstable && result.breaks == 0)
+      tell_no_peak(result,
+                   "the body lost stability before a bond broke: it has buckled, and has no strength");
+    else if (unstable)
       result.notes.push_back(
-          result.breaks == 0
-              ? "the body lost stability before a bond broke: it has buckled, and has no strength"
-              : "the body lost stability: there is no balance beyond, and what it would bear then is not "
-                "known");
+          "the body lost stability: there is no balance beyond, and what it would bear then is not known");
     return;
   }
-  result.notes.push_back(fmt::format(
-      "no peak within the strain of {:.6g}: the stress has not fallen by {:.3g} of its largest value; give a "
-      "larger --strain{}",
-      test.end_strain, test.request.drop, result.breaks == 0 ? "; no bond broke" : ""));
+  tell_no_peak(result,
+               fmt::format("no peak within the strain of {:.6g}: the stress has not fallen by {:.3g} of its "
+                           "largest value; give a "
+                           "larger --strain{}",
+                           test.end_strain, test.request.drop, result.breaks == 0 ? "; no bond broke" : ""));
 }
 
 /// Until the peak. If bonds break from the row before it on, that is the last: what they set free is no fault
@@ -269,14 +277,17 @@ Inertia inertia_of(const std::vector<Row>& rows, std::size_t peak) {
   return found;
 }
 
+constexpr const char* not_quasi_static = "not quasi-static";
+
 void tell_inertia(const MadeTest& test, TestResult& result) {
   if (result.inertia->quasi_static()) return;
   result.notes.push_back(fmt::format(
-      "not quasi-static: kinetic energy is {:.2g} of the work at the peak and up to {:.2g} before it, forces "
+      "{}: kinetic energy is {:.2g} of the work at the peak and up to {:.2g} before it, forces "
       "on "
       "the ends differ by {:.2g} of the peak; moduli are off then, and strengths mostly too large: give a "
       "smaller --rate, as {:.2g}",
-      result.inertia->at_peak, result.inertia->largest, result.inertia->ends_differ, 0.1 * test.rate));
+      not_quasi_static, result.inertia->at_peak, result.inertia->largest, result.inertia->ends_differ,
+      0.1 * test.rate));
 }
 
 /// What the body bears before the test, if it is much.
@@ -325,10 +336,10 @@ TestResult result_of(const MadeTest& test, const std::filesystem::path& folder) 
   result.largest = rows[largest].at;
   if (test.breaks && end.used_before >= 1.0) {
     tell_stress_before(test, result);
-    result.notes.push_back(fmt::format(
-        "a bond is at {:.4g} of its strength before any may break, at a strain of {:g}: no strength follows; "
-        "let the body come to rest unloaded, or give bonds more strength",
-        end.used_before, elastic_strain));
+    tell_no_peak(result, fmt::format("a bond is at {:.4g} of its strength before any may break, at a strain "
+                                     "of {:g}: no strength follows; "
+                                     "let the body come to rest unloaded, or give bonds more strength",
+                                     end.used_before, elastic_strain));
     return result;
   }
   find_breaks(rows, peak, result);
@@ -349,10 +360,18 @@ TestResult result_of(const MadeTest& test, const std::filesystem::path& folder) 
     result.splitting = splitting_of(test, breaks);
     if (result.splitting && result.splitting->first_from_middle > 0.8) {
       result.peak.reset();
-      result.notes.push_back("the first break is at a platen, not in the middle: it has no tensile strength");
+      tell_no_peak(result, "the first break is at a platen, not in the middle: it has no tensile strength");
     }
   }
   return result;
+}
+
+std::string why_no_strength(const TestResult& result) {
+  if (!result.peak) return result.no_peak;
+  if (!result.inertia || result.inertia->quasi_static()) return "";
+  for (const std::string& note : result.notes)
+    if (note.starts_with(not_quasi_static)) return note;
+  return not_quasi_static;
 }
 
 }  // namespace vbond::labtest

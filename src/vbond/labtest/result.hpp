@@ -21,7 +21,10 @@ struct Inertia {
   double at_peak = 0;      ///< kinetic energy over the work of the platens, at the peak
   double largest = 0;      ///< the same, the most from a tenth of the peak on
   double ends_differ = 0;  ///< sum of the forces on both ends over the peak, the most from half of it on
-  bool quasi_static() const { return at_peak <= 0.01 && largest <= 0.05 && ends_differ <= 0.05; }
+  static constexpr double most_at_peak = 0.01, most_before = 0.05, most_of_ends = 0.05;
+  bool quasi_static() const {
+    return at_peak <= most_at_peak && largest <= most_before && ends_differ <= most_of_ends;
+  }
 };
 
 /// The first bond that broke.
@@ -57,8 +60,13 @@ struct TestResult {
   std::optional<FirstBreak> first_break_at;
   std::optional<Splitting> splitting;  ///< brazilian
   std::string ended;                   ///< how the last stage ended, as in run.json
+  std::string no_peak;                 ///< why there is none, which is one of the notes; empty: there is
   std::vector<std::string> notes;      ///< what is to be known, a line each
 };
+
+/// Why the result has no strength to rely on: it has no peak, or the test in motion was too fast. Empty: it
+/// has.
+std::string why_no_strength(const TestResult& result);
 
 /// Reads the tables of a run of the made case. Throws IoError if they are not there or damaged.
 TestResult result_of(const MadeTest& test, const std::filesystem::path& folder);

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <utility>
 
+#include "vbond/core/crossing.hpp"
 #include "vbond/model/bond_event.hpp"
 #include "vbond/statics/detail/breaking_body.hpp"
-#include "vbond/statics/detail/crossing.hpp"
 #include "vbond/statics/detail/kinds.hpp"
 
 namespace vbond {

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "vbond/core/crossing.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/statics/detail/bloch.hpp"
-#include "vbond/statics/detail/crossing.hpp"
 #include "vbond/statics/detail/eigen.hpp"
 #include "vbond/statics/detail/path_walk.hpp"
 #include "vbond/statics/detail/pulse.hpp"

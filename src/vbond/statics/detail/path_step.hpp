@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
+#include "vbond/core/crossing.hpp"
 #include "vbond/statics/detail/arc_length.hpp"
-#include "vbond/statics/detail/crossing.hpp"
 #include "vbond/statics/detail/path_goal.hpp"
 #include "vbond/statics/results.hpp"
 

@@ -6,7 +6,7 @@
 
 namespace vbond {
 
-/// A function of the arc-length at one place.
+/// A function at one place.
 struct Sample {
   double s = 0, value = 0;
 };
