@@ -244,7 +244,7 @@ RC_GTEST_PROP(NeighbourList, IsTheSameForAnyNumberOfThreads, (unsigned seed, boo
     }
     pose[p].r = from;
     for (PoseRow& q : pose) q.r += random.vector(1.0);
-    pose[0].r.x += 1.0;  // far enough for all lists to be stale
+    pose[0].r.x += 2.0;  // by one at least: every list is stale
   }
 }
 
