@@ -97,8 +97,9 @@ TEST(RuledBonds, AreNearBreakingWhereverTheQuickBoundSaysThatTheyAreNot) {
       (utilisation(law, pose, axis, scaled(middle)) < 1.0 ? low : high) = middle;
     }
     ++reached;
-    EXPECT_GE(utilisation_bound(law, scaled(high)), 1.0) << "criterion " << static_cast<int>(criterion);
-    left_out += utilisation_bound(law, scaled(0.2 * low)) < 1.0 ? 1 : 0;
+    EXPECT_GE(utilisation_bound(law, pose, axis, scaled(high)), 1.0)
+        << "criterion " << static_cast<int>(criterion);
+    left_out += utilisation_bound(law, pose, axis, scaled(0.2 * low)) < 1.0 ? 1 : 0;
   }
   EXPECT_GT(reached, 2000u);
   // at a fifth of these loads, a third was measured: `energy` has none, and random loads often press

@@ -5,7 +5,9 @@
 #include <type_traits>
 #include <utility>
 
+#include "campaigns/dice.hpp"
 #include "cracked.hpp"
+#include "vbond/physics/far_from_breaking.hpp"
 #include "vbond/physics/vmodel.hpp"
 #include "vbond/physics/with_offsets.hpp"
 
@@ -74,6 +76,70 @@ TEST(Faces, TwistTakesTheMomentOfFrictionAtItsRadius) {
     lost_before = h.value[rubbed::dissipated];
   }
   EXPECT_GT(lost_before, 0.5 * mu * N * r * last);
+}
+
+// Against the C library in long double, whose difference is right to an ulp of the sine: a few roundings of
+// the result where it is a series, of the angle where it is a difference.
+TEST(Faces, ArcsAreThoseOfTheSine) {
+  for (int k = -1000; k <= 1000; ++k) {
+    const double sine = k / 1000.0;
+    const auto exact =
+        static_cast<double>(std::asin(static_cast<long double>(sine)) - static_cast<long double>(sine));
+    const double cosine = std::sqrt((1.0 - sine) * (1.0 + sine));
+    const double by_series = 3e-15 * std::abs(exact) + 1.1e-19 * std::abs(sine);
+    EXPECT_NEAR(angle_less_sine(sine, cosine), exact, sine * sine > 0.04 ? 1e-15 : by_series) << sine;
+  }
+}
+
+// What loops leave out is never a bond that breaks: cells anywhere in a joint, intact or cracked, with limits
+// of their own.
+TEST(Faces, AreFarFromBreakingWhereTheBoundSaysSo) {
+  testing::Dice dice(1);
+  unsigned broken = 0, left_out = 0;
+  for (int k = 0; k < 20000; ++k) {
+    BondRules of_joint = rules;
+    Strength& limits = of_joint.strength;
+    limits.criterion = Criterion::mohr_coulomb, limits.own_section = dice.chance(0.5);
+    limits.axial = dice.ratio(0.1, 10), limits.shear = dice.ratio(0.1, 10), limits.friction = dice(0, 3);
+    limits.bending = dice.ratio(0.1, 10), limits.torsion = dice.ratio(0.1, 10);
+    limits.compression_bending = dice(0, 3);
+    auto law = cell_at(dice(-0.5, 0.5), dice(-0.5, 0.5));
+    using Law = decltype(law);
+    law.rules = &of_joint, law.weakness = dice(-0.5, 1);
+    const double size = dice.ratio(1e-3, 1);
+    const BondPose<double> pose = bond_pose(BondFrames<double>{}, Vec3d{1.5, 0, 0} + dice.vector(size),
+                                            rotation_of(dice.vector(size)), rotation_of(dice.vector(size)));
+    const BondAxis<double> axis = bond_axis(law, pose);
+    LawHistory<Law> h{};
+    if (dice.chance(0.5)) h = slipped<Law>(dice(-0.1, 0.1), dice(-0.1, 0.1));
+    const BondLoads<double> l = loads(law, pose, h);
+    const bool breaks = utilisation(law, pose, axis, l, h) >= 1.0,
+               out = utilisation_bound(law, pose, axis, l, h) < 1.0;
+    EXPECT_FALSE(breaks && out) << k;
+    broken += breaks ? 1 : 0, left_out += out ? 1 : 0;
+  }
+  EXPECT_GT(broken, 2000u);
+  EXPECT_GT(left_out, 2000u);
+}
+
+// The loads that a step works out with the slip are those at the slip.
+TEST(Faces, LoadsOfAStepAreThoseAfterIt) {
+  testing::Dice dice(2);
+  for (int k = 0; k < 1000; ++k) {
+    const auto law = cell_at(dice(-0.5, 0.5), dice(-0.5, 0.5));
+    using Law = std::remove_const_t<decltype(law)>;
+    const BondPose<double> pose = bond_pose(BondFrames<double>{}, Vec3d{1.45, 0, 0} + dice.vector(0.2),
+                                            rotation_of(dice.vector(0.5)), rotation_of(dice.vector(0.5)));
+    const BondAxis<double> axis = bond_axis(law, pose);
+    const LawHistory<Law> before =
+        dice.chance(0.3) ? LawHistory<Law>{} : slipped<Law>(dice(-1, 1), dice(-1, 1));
+    const auto [now, l] = advance_with_loads(law, pose, axis, BondRates<double>{}, 0.0, before);
+    const LawHistory<Law> alone = after(law, pose, before);
+    for (std::size_t n = 0; n < rubbed::count; ++n) EXPECT_EQ(now.value[n], alone.value[n]);
+    const BondLoads<double> at = loads(law, pose, alone);
+    for (const auto& [x, y] : {std::pair{l.F, at.F}, {l.M_ij, at.M_ij}, {l.M_ji, at.M_ji}})
+      EXPECT_EQ(norm(x - y), 0.0) << k;
+  }
 }
 
 // Two grains that roll on each other in opposite ways about their middle: the faces tilt, and do not slide.

@@ -165,8 +165,10 @@ VBOND_HD BondRates<Real> rates_of(const P& p, const MotionRow* rates, std::size_
 
 /// The sum over unbroken bonds, always in this order.
 VBOND_HD void add_active(const Real& x, PackLanes in_use, std::size_t l, double& sum) {
+  double all = sum;  // in place each addition would wait for the store of the one before
   for (std::size_t k = 0; k < lanes; ++k)
-    if (in_use.has(l + k)) sum += x.v[k];
+    if (in_use.has(l + k)) all += x.v[k];
+  sum = all;
 }
 
 /// What these damping loads take at these rates, in the order of DampedPower::causes.
@@ -216,22 +218,24 @@ VBOND_HD Real dissipated_between(const L& law, const BondPose<Real>& b, const La
     return total(bond_energy(law, b, before)) - total(bond_energy(law, b, now));
 }
 
-/// The same after a step, kept in the pack.
+/// What the bonds remember after a step, which the pack keeps, and their elastic loads then.
 template <class L, class P>
-VBOND_HD LawHistory<L> history_after(const PackRun<P>& run, std::size_t pack, std::size_t l, const L& law,
-                                     const BondPose<Real>& b, const BondAxis<Real>& axis,
-                                     const BondRates<Real>& rates, BondSweep& sweep) {
+VBOND_HD Advanced<L> advance_lanes(const PackRun<P>& run, std::size_t pack, std::size_t l, const L& law,
+                                   const BondPose<Real>& b, const BondAxis<Real>& axis,
+                                   const BondRates<Real>& rates, BondSweep& sweep) {
   const LawHistory<L> before = history_of_lanes<L>(run, pack, l);
   if constexpr (Remembering<L>) {
-    if (sweep.dt == 0.0) return before;
-    const LawHistory<L> now = advance(law, b, axis, rates, Real(sweep.dt), before);
-    for (std::size_t n = 0; n < history_of<L>; ++n) now.value[n].store(remembered<L>(run, pack, n, l));
-    const Real lost = dissipated_between(law, b, before, now);
-    add_active(lost, run.lanes[pack], l, sweep.dissipated);
-    if constexpr (!HasRules<L>) add_active(lost, run.lanes[pack], l, sweep.by_other_laws);
-    return now;
+    if (sweep.dt != 0.0) {
+      const Advanced<L> now = advance_with_loads(law, b, axis, rates, Real(sweep.dt), before);
+      for (std::size_t n = 0; n < history_of<L>; ++n)
+        now.history.value[n].store(remembered<L>(run, pack, n, l));
+      const Real lost = dissipated_between(law, b, before, now.history);
+      add_active(lost, run.lanes[pack], l, sweep.dissipated);
+      if constexpr (!HasRules<L>) add_active(lost, run.lanes[pack], l, sweep.by_other_laws);
+      return now;
+    }
   }
-  return before;
+  return {before, loads_with(law, b, axis, before)};
 }
 
 /// The lanes of unbroken bonds that break by these elastic loads, a bit each.
@@ -240,8 +244,8 @@ VBOND_HD unsigned breaking_lanes(const L& law, const BondPose<Real>& b, const Bo
                                  const BondLoads<Real>& loads, const LawHistory<L>& history,
                                  unsigned active) {
   const Real one(1.0);
-  if constexpr (requires { utilisation_bound(law, loads); })
-    if ((lanes_at_least(utilisation_bound(law, loads), one) & active) == 0) return 0;
+  if constexpr (requires { utilisation_bound(law, b, axis, loads, history); })
+    if ((lanes_at_least(utilisation_bound(law, b, axis, loads, history), one) & active) == 0) return 0;
   return lanes_at_least(utilisation_with(law, b, axis, loads, history), one) & active;
 }
 
@@ -257,8 +261,7 @@ VBOND_HD void add_inelastic(const PackRun<P>& run, std::size_t pack, BondSweep& 
     const BondAxis<Real> axis = bond_axis(law, b);
     BondRates<Real> rates{};
     if constexpr (damped || Remembering<L>) rates = rates_of(p, sweep.rates, l);
-    const LawHistory<L> history = history_after(run, pack, l, law, b, axis, rates, sweep);
-    BondLoads<Real> loads = loads_with(law, b, axis, history);
+    auto [history, loads] = advance_lanes(run, pack, l, law, b, axis, rates, sweep);
     if constexpr (Breakable<L>) {
       if (run.type->breakable)
         broken |= breaking_lanes(law, b, axis, loads, history, unsigned{in_use.active} >> l) << l;

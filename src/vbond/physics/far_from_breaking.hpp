@@ -1,5 +1,7 @@
 #pragma once
 #include "vbond/physics/strength.hpp"
+#include "vbond/physics/with_offsets.hpp"
+#include "vbond/physics/with_rubbing.hpp"
 #include "vbond/physics/with_rules.hpp"
 
 namespace vbond {
@@ -29,8 +31,23 @@ VBOND_HD T utilisation_bound(const Strength& s, const BondStiffness<T>& c, const
 /// The same for a bond by its elastic loads. Loops leave out the utilisation() of bonds for which it is below
 /// 1; of a law without this function they work out all.
 template <RuledLaw Law, Scalar T>
-VBOND_HD T utilisation_bound(const Law& m, const BondLoads<T>& loads) {
+VBOND_HD T utilisation_bound(const Law& m, const BondPose<T>& /*b*/, const BondAxis<T>& /*axis*/,
+                             const BondLoads<T>& loads, const LawHistory<Law>& /*h*/ = {}) {
   return utilisation_bound(m.rules->strength, stiffness(m), m.R_i, m.R_j, loads, T(1.0) + m.weakness);
+}
+/// Of cracked bonds it is the utilisation.
+template <RubbingLaw Law, Scalar T>
+VBOND_HD T utilisation_bound(const Law& m, const BondPose<T>& b, const BondAxis<T>& axis,
+                             const BondLoads<T>& loads, const LawHistory<Law>& h) {
+  const T of_intact = utilisation_bound(m.intact(), b, axis, loads);
+  return any_cracked<Law>(h) ? where_cracked<Law>(h, parting(m, b, axis), of_intact) : of_intact;
+}
+template <OffsetLaw Law, Scalar T>
+requires RuledLaw<typename Law::Centred> || RubbingLaw<typename Law::Centred> VBOND_HD T
+utilisation_bound(const Law& m, const BondPose<T>& b, const BondAxis<T>& axis, const BondLoads<T>& loads,
+                  const LawHistory<Law>& h) {
+  return utilisation_bound(m.centred(), m.at_offsets(b), axis, m.at_offsets(b, loads),
+                           history_as<typename Law::Centred>(h));
 }
 
 }  // namespace vbond

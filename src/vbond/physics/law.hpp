@@ -162,6 +162,21 @@ VBOND_HD T utilisation_with(const Law& law, const BondPose<T>& b, const BondAxis
     return utilisation(law, b, axis, loads);
 }
 
+/// What a bond remembers after a step, and its elastic loads then.
+template <class Law>
+struct Advanced {
+  LawHistory<Law> history;
+  BondLoads<typename Law::Number> loads;
+};
+/// Both at once: laws with a function of this name share what both need.
+template <Remembering Law, Scalar T>
+VBOND_HD Advanced<Law> advance_with_loads(const Law& law, const BondPose<T>& b, const BondAxis<T>& axis,
+                                          const BondRates<T>& rates, const T& dt,
+                                          const LawHistory<Law>& before) {
+  const LawHistory<Law> now = advance(law, b, axis, rates, dt, before);
+  return {now, bond_loads(law, b, axis, now)};
+}
+
 /// The pose between the bonded points by which the range of a bond is judged: for R_i = R_j = 0.
 template <class Law, Scalar T>
 VBOND_HD BondPose<T> elastic_pose_with(const Law& law, const BondPose<T>& b, const LawHistory<Law>& history) {

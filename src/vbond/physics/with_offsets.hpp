@@ -138,6 +138,15 @@ VBOND_HD History advance(const Law& m, const BondPose<T>& b, const BondAxis<T>& 
                                  history_as<typename Law::Centred>(h)));
 }
 template <OffsetLaw Law, Scalar T>
+requires Remembering<Law> VBOND_HD Advanced<Law> advance_with_loads(const Law& m, const BondPose<T>& b,
+                                                                    const BondAxis<T>& axis,
+                                                                    const BondRates<T>& rates, const T& dt,
+                                                                    const LawHistory<Law>& h) {
+  const auto [history, loads] = advance_with_loads(m.centred(), m.at_offsets(b), axis, m.at_offsets(b, rates),
+                                                   dt, history_as<typename Law::Centred>(h));
+  return {history_as<Law>(history), m.at_centres(b, loads)};
+}
+template <OffsetLaw Law, Scalar T>
 requires requires(const typename Law::Centred& m) {
   m.intact();
 }

@@ -73,9 +73,34 @@ struct Faces {
   VBOND_HD Vec3<T> along_faces(const Vec3<T>& v) const { return v - dot(v, n) * n; }
 };
 
+/// By how much an angle between -90 and 90 degrees is more than its sine, given that and its cosine. Of small
+/// angles by ten terms of the series in the sine, of which the eleventh is 6e-16 of the sum at most; the
+/// function of the C library takes one number at a time.
+template <Scalar T>
+VBOND_HD T angle_less_sine(const T& sine, const T& cosine) {
+  using std::atan2;
+  constexpr std::size_t terms = 10;
+  constexpr auto coefficients = [] {  // (2n)! / (4^n n!^2 (2n + 1)) for n = 1 .. terms
+    std::array<double, terms> c{};
+    double share = 1.0;
+    for (std::size_t n = 1; n <= terms; ++n) {
+      const auto twice = static_cast<double>(2 * n);
+      share *= (twice - 1.0) / twice;
+      c[n - 1] = share / (twice + 1.0);
+    }
+    return c;
+  }();
+  const T square = sq(sine), small(0.04);
+  T sum(coefficients[terms - 1]);
+  for (std::size_t n = terms - 1; n-- > 0;) sum = sum * square + T(coefficients[n]);
+  const T series = sine * square * sum;
+  if (!any_greater(square, small)) return series;
+  return where_greater(square, small, atan2(sine, cosine) - sine, series);
+}
+
 template <class Law, Scalar T>
 VBOND_HD Faces<T> faces_of(const Law& m, const BondPose<T>& b, const Vec3<T>& D) {
-  using std::atan2, std::sqrt;
+  using std::sqrt;
   const Vec3<T> n = b.n_i[0] - b.n_j[0];
   Faces<T> f;
   f.D = D;
@@ -92,7 +117,7 @@ VBOND_HD Faces<T> faces_of(const Law& m, const BondPose<T>& b, const Vec3<T>& D)
   f.t_3 = cross(f.n, f.t_2);
   f.cos_half = dot(of_j, f.t_2);
   const T sin_half = dot(of_j, f.t_3);
-  f.arc = T(2.0) * (atan2(sin_half, where_greater(length2, T(0.0), f.cos_half, one)) - sin_half);
+  f.arc = T(2.0) * angle_less_sine(sin_half, where_greater(length2, T(0.0), f.cos_half, one));
   f.gap = dot(D, f.n) - m.a;
   return f;
 }
@@ -125,9 +150,8 @@ VBOND_HD BondEnergy<T> face_energy(const Law& m, const BondPose<T>& b, const Vec
 /// The gradient of face_energy at fixed slip: of N along the mean normal and Q along the faces, with what
 /// turns the normal and the directions that slip is counted along.
 template <RubbingLaw Law, Scalar T>
-VBOND_HD BondLoads<T> face_loads(const Law& m, const BondPose<T>& b, const Vec3<T>& D,
+VBOND_HD BondLoads<T> face_loads(const Law& m, const BondPose<T>& b, const Faces<T>& f,
                                  const LawHistory<Law>& h) {
-  const Faces<T> f = faces_of(m, b, D);
   const FaceForces<Law, T> at(m, f, h);
   const T N = at.N(), half(0.5), one(1.0);
   const Vec3<T> Q = at.Q(), F = N * f.n + Q;
@@ -168,13 +192,19 @@ VBOND_HD BondEnergy<T> bond_energy(const Law& m, const BondPose<T>& b, const Law
           where_cracked<Law>(h, U.U_T, whole.U_T)};
 }
 template <RubbingLaw Law, Scalar T>
-VBOND_HD BondLoads<T> bond_loads(const Law& m, const BondPose<T>& b, const BondAxis<T>& axis,
-                                 const LawHistory<Law>& h) {
+VBOND_HD BondLoads<T> loads_of_some_cracked(const Law& m, const BondPose<T>& b, const BondAxis<T>& axis,
+                                            const Faces<T>& f, const LawHistory<Law>& h) {
+  const BondLoads<T> l = face_loads(m, b, f, h);
+  if (!any_greater(T(0.5), h.value[rubbed::cracked])) return l;  // all are
   const BondLoads<T> whole = bond_loads(m.intact(), b, axis);
-  if (!any_cracked<Law>(h)) return whole;
-  const BondLoads<T> l = face_loads(m, b, axis.D * axis.d, h);
   return {where_cracked<Law>(h, l.F, whole.F), where_cracked<Law>(h, l.M_ij, whole.M_ij),
           where_cracked<Law>(h, l.M_ji, whole.M_ji)};
+}
+template <RubbingLaw Law, Scalar T>
+VBOND_HD BondLoads<T> bond_loads(const Law& m, const BondPose<T>& b, const BondAxis<T>& axis,
+                                 const LawHistory<Law>& h) {
+  if (!any_cracked<Law>(h)) return bond_loads(m.intact(), b, axis);
+  return loads_of_some_cracked(m, b, axis, faces_of(m, b, axis.D * axis.d), h);
 }
 
 /// By the length alone, which is all that there is to tell of faces that have neither slipped nor turned.
@@ -210,14 +240,10 @@ VBOND_HD BondLoads<T> bond_loads(const Law& m, const BondPose<T>& b, const BondA
 /// Faces slip until the shear force is mu times the pressure; open ones carry none. A step dissipates the
 /// mean of the shear forces at its ends times the slip, which is the work that a leap-frog step counts.
 template <RubbingLaw Law, Scalar T>
-VBOND_HD LawHistory<Law> advance(const Law& m, const BondPose<T>& b, const BondAxis<T>& axis,
-                                 const BondRates<T>& /*rates*/, const T& /*dt*/,
-                                 const LawHistory<Law>& before) {
+VBOND_HD LawHistory<Law> slide(const Law& m, const Faces<T>& f, const LawHistory<Law>& before) {
   using std::sqrt;
-  if (!any_cracked<Law>(before)) return before;
   LawHistory<Law> h = before;
   const T zero(0.0), one(1.0);
-  const Faces<T> f = faces_of(m, b, axis.D * axis.d);
   const FaceForces<Law, T> at(m, f, before);
   const T limit = T(-m.rules->rubbing.friction) * at.N(), limit2 = sq(limit), Q2 = norm2(at.Q());
   const T held = where_greater(Q2, limit2, limit / sqrt(where_greater(Q2, limit2, Q2, one)), one);
@@ -233,6 +259,23 @@ VBOND_HD LawHistory<Law> advance(const Law& m, const BondPose<T>& b, const BondA
   const T lost = before.value[rubbed::dissipated] + T(0.5) * dot(Q_before + Q, slid);
   h.value[rubbed::dissipated] = where_cracked<Law>(before, lost, before.value[rubbed::dissipated]);
   return h;
+}
+
+template <RubbingLaw Law, Scalar T>
+VBOND_HD LawHistory<Law> advance(const Law& m, const BondPose<T>& b, const BondAxis<T>& axis,
+                                 const BondRates<T>& /*rates*/, const T& /*dt*/,
+                                 const LawHistory<Law>& before) {
+  return any_cracked<Law>(before) ? slide(m, faces_of(m, b, axis.D * axis.d), before) : before;
+}
+/// The faces are worked out once for both.
+template <RubbingLaw Law, Scalar T>
+VBOND_HD Advanced<Law> advance_with_loads(const Law& m, const BondPose<T>& b, const BondAxis<T>& axis,
+                                          const BondRates<T>& /*rates*/, const T& /*dt*/,
+                                          const LawHistory<Law>& before) {
+  if (!any_cracked<Law>(before)) return {before, bond_loads(m.intact(), b, axis)};
+  const Faces<T> f = faces_of(m, b, axis.D * axis.d);
+  const LawHistory<Law> h = slide(m, f, before);
+  return {h, loads_of_some_cracked(m, b, axis, f, h)};
 }
 
 /// What it remembers once it has cracked as it stands: of its shear force as much is left as faces so
