@@ -6,6 +6,7 @@
 #include <string>
 
 #include "campaign.hpp"
+#include "or_null.hpp"
 #include "strengths.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/core/printable.hpp"
@@ -19,9 +20,6 @@ using labtest::StrengthFactors;
 using labtest::StrengthSearch;
 using labtest::StrengthSearchEnd;
 
-Json of(const std::optional<double>& x) {
-  return x ? Json(*x) : Json();
-}
 std::string cell(const std::optional<double>& x) {
   return x ? fmt::format("{:.6g}", *x) : "-";
 }
@@ -262,17 +260,18 @@ std::string strengths_as_json(const Calibrated& all, const StrengthSearch* searc
   j["case"] = all.options.case_file.filename().string(), j["command"] = all.command;
   j["units"] = all.c.units == UnitSystem::si ? "SI" : "reduced";
   j["at_rest"] = !all.asked.test.motion;
-  j["asked"] = {
-      {"tensile", of(asked.tensile)}, {"compressive", of(asked.compressive)}, {"within", all.goal.within}};
+  j["asked"] = {{"tensile", or_null(asked.tensile)},
+                {"compressive", or_null(asked.compressive)},
+                {"within", all.goal.within}};
   j["end"] = search != nullptr ? Json(to_text(search->end)) : Json();
   j["tests"] = tests_of(all);
   j["evaluations"] = Json::array();
   for (std::size_t k = 0; k < all.evaluations.size(); ++k) {
     const StrengthEvaluation& e = all.evaluations[k];
     j["evaluations"].push_back({{"factors", {{"tension", e.factors.tension}, {"shear", e.factors.shear}}},
-                                {"tensile", of(e.found.strengths.tensile)},
-                                {"compressive", of(e.found.strengths.compressive)},
-                                {"ratio", of(e.ratio())},
+                                {"tensile", or_null(e.found.strengths.tensile)},
+                                {"compressive", or_null(e.found.strengths.compressive)},
+                                {"ratio", or_null(e.ratio())},
                                 {"why", e.found.why.empty() ? Json() : Json(e.found.why)},
                                 {"folders", all.tests[k].folders}});
   }
@@ -282,7 +281,7 @@ std::string strengths_as_json(const Calibrated& all, const StrengthSearch* searc
   if (search->nearest) {
     const std::size_t k = *search->nearest;
     const auto moduli = [](const std::optional<labtest::TestResult>& r) {
-      return r ? Json{{"E", of(r->modulus)}, {"nu", of(r->nu)}} : Json();
+      return r ? Json{{"E", or_null(r->modulus)}, {"nu", or_null(r->nu)}} : Json();
     };
     j["nearest"] = {{"evaluation", k},
                     {"changes", changes_of(all.limits, search->all[k].factors)},

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "or_null.hpp"
 #include "test.hpp"
 #include "vbond/core/printable.hpp"
 #include "vbond/labtest/envelope.hpp"
@@ -16,9 +17,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 using labtest::Kind;
 
-Json of(const std::optional<double>& x) {
-  return x ? Json(*x) : Json();
-}
 Json of(const std::optional<labtest::CurvePoint>& p) {
   if (!p) return {};
   return {{"stress", p->stress}, {"strain", p->strain}, {"force", p->force}};
@@ -160,9 +158,9 @@ std::string result_as_json(const labtest::MadeTest& t, const labtest::TestResult
   if (kind == Kind::brazilian) j["thickness"] = t.height;
   if (kind == Kind::bend3) j["height"] = t.height;
   j["stress_per_force"] = t.stress_per_force, j["strain_per_way"] = t.strain_per_way;
-  j[modulus_name(kind)] = of(r.modulus),
-  j[std::string(modulus_name(kind)) + "_by_ends"] = of(r.modulus_by_ends);
-  j["nu"] = of(r.nu);
+  j[modulus_name(kind)] = or_null(r.modulus),
+  j[std::string(modulus_name(kind)) + "_by_ends"] = or_null(r.modulus_by_ends);
+  j["nu"] = or_null(r.nu);
   if (r.nu)
     j["nu_by_direction"] = {{std::string(1, "xyz"[t.across]), *r.nu_across},
                             {std::string(1, "xyz"[t.third]), *r.nu_third}};
@@ -177,7 +175,7 @@ std::string result_as_json(const labtest::MadeTest& t, const labtest::TestResult
     j["first_break_at"] = nullptr;
   }
   j["breaks"] = r.breaks, j["breaks_before_peak"] = r.breaks_before_peak;
-  j["fragments"] = of(r.fragments), j["largest_fragment"] = of(r.largest_fragment);
+  j["fragments"] = or_null(r.fragments), j["largest_fragment"] = or_null(r.largest_fragment);
   if (r.inertia)
     j["inertia"] = {{"at_peak", r.inertia->at_peak},
                     {"largest", r.inertia->largest},
