@@ -108,26 +108,24 @@ TEST(Homogenise, KnowsHowConstantsFollowFromStiffnesses) {
     EXPECT_NEAR(by.c_D[0][1], r.by_c_D[1], 1e-10 * r.by_c_D[0]);
     EXPECT_NEAR(by.c_D[3][3], r.by_c_D[2], 1e-10 * r.by_c_D[0]);
     EXPECT_NEAR(by.c_D[4][5], r.by_c_D[3], 1e-10 * r.by_c_D[0]);
-    const Constants* const exact[] = {&by.c_A, &by.c_D, &by.c_B, &by.c_T};
-    for (int part = 0; part < 4; ++part) {
+    for (std::size_t part = 0; part < 4; ++part) {
+      const Constants& exact = *std::array{&by.c_A, &by.c_D, &by.c_B, &by.c_T}[part];
       std::map<double, Constants> known;  // by the logarithm of the factor of this stiffness
       const auto C_at = [&](double x) -> const Constants& {
-        const auto [at, is_new] = known.try_emplace(x);
-        if (!is_new) return at->second;
+        if (const auto at = known.find(x); at != known.end()) return at->second;
         Specimen changed = s;
         for (Bond& b : changed.state.bonds) {
           BondStiffness<double> c = b.law->stiffness(b);
-          double* const of[] = {&c.c_A, &c.c_D, &c.c_B, &c.c_T};
-          *of[part] *= std::exp(x);
+          *std::array{&c.c_A, &c.c_D, &c.c_B, &c.c_T}[part] *= std::exp(x);
           b.coefficients = b.law->from_stiffness(c, b.a, b.coefficients);
         }
-        return at->second = homogenise(changed.model, changed.state).C;
+        return known[x] = homogenise(changed.model, changed.state).C;
       };
       Constants slope{};
       for (std::size_t i = 0; i < 6; ++i)
         for (std::size_t j = 0; j < 6; ++j)
           slope[i][j] = testing::derivative([&](double x) { return C_at(x)[i][j]; }, 0.03);
-      EXPECT_LT(difference(slope, *exact[part]), 1e-10 * largest(found.C)) << r.name << " " << part;
+      EXPECT_LT(difference(slope, exact), 1e-10 * largest(found.C)) << r.name << " " << part;
     }
   }
 }
