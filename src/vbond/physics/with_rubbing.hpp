@@ -191,6 +191,7 @@ VBOND_HD BondEnergy<T> bond_energy(const Law& m, const BondPose<T>& b, const Law
   return {where_cracked<Law>(h, U.U_L, whole.U_L), where_cracked<Law>(h, U.U_B, whole.U_B),
           where_cracked<Law>(h, U.U_T, whole.U_T)};
 }
+/// Loads of bonds of which at least one is cracked, whose faces stand like this.
 template <RubbingLaw Law, Scalar T>
 VBOND_HD BondLoads<T> loads_of_some_cracked(const Law& m, const BondPose<T>& b, const BondAxis<T>& axis,
                                             const Faces<T>& f, const LawHistory<Law>& h) {
