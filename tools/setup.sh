@@ -1,4 +1,4 @@
-# Sourced by ./run, ./test, tools/package and .ci/run: what a bare Debian 12 lacks, and how it is built.
+# Sourced by ./run, ./test, tools/package, .ci/run and .ci/nightly: what a bare Debian 12 lacks, and how it is built.
 # Messages go to stderr; stdout belongs to the program.
 # shellcheck shell=bash disable=SC2034
 
@@ -29,7 +29,7 @@ vbond_python_test_packages=(python3-pytest python3-matplotlib python3-pandas jup
 vbond_python=/usr/bin/python3   # Debian's packages are for this one
 vbond_python_options=(-D VBOND_PYTHON=ON -D "Python3_EXECUTABLE=$vbond_python")
 vbond_site_packages=(doxygen furo pandoc python3-sphinx python3-myst-parser python3-nbsphinx python3-sphinx-copybutton)   # tools/site
-vbond_clang_packages=(clang-14 libclang-rt-14-dev)   # the fuzzers, in .ci/run
+vbond_clang_packages=(clang-14 libclang-rt-14-dev)   # the fuzzers, in .ci/nightly
 vbond_format_packages=(clang-format-14)
 vbond_package_packages=(dpkg-dev file xz-utils)   # tools/package
 vbond_page_packages=(nodejs npm)   # the page that `vbond report` fills

@@ -10,6 +10,7 @@
 #include "campaigns/plain_bodies.hpp"
 #include "vbond/model/step_bound.hpp"
 #include "vbond/physics/far_from_breaking.hpp"
+#include "vbond/physics/laws.hpp"
 
 namespace vbond::ruled_bonds_test {
 namespace {

@@ -10,6 +10,7 @@
 
 #include "campaigns/dice.hpp"
 #include "vbond/model/make_bond.hpp"
+#include "vbond/physics/laws.hpp"
 #include "vbond/physics/tangent.hpp"
 
 namespace vbond::joint_cells_test {

@@ -14,6 +14,7 @@
 #include "specimen.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/observe/seal.hpp"
+#include "vbond/physics/laws.hpp"
 
 namespace vbond {
 namespace {

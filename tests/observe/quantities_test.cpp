@@ -15,6 +15,7 @@
 #include "specimen.hpp"
 #include "vbond/observe/checkpoint.hpp"
 #include "vbond/observe/history.hpp"
+#include "vbond/physics/laws.hpp"
 
 namespace vbond {
 namespace {

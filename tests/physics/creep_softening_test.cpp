@@ -9,6 +9,7 @@
 #include "hardening_law.hpp"
 #include "material_cases.hpp"
 #include "random_pose.hpp"
+#include "vbond/physics/laws.hpp"
 
 namespace vbond::flowing_test {
 namespace {

@@ -1,5 +1,6 @@
 // The tangent of bonds that flow, against differences of their loads after the flow of an increment.
 #include "vbond/physics/flow_tangent.hpp"
+#include "vbond/physics/laws.hpp"
 
 #include <gtest/gtest.h>
 

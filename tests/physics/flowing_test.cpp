@@ -11,6 +11,7 @@
 #include "driven_bond.hpp"
 #include "material_cases.hpp"
 #include "random_pose.hpp"
+#include "vbond/physics/laws.hpp"
 
 namespace vbond::flowing_test {
 namespace {

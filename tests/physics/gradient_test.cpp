@@ -5,6 +5,7 @@
 
 #include "random_law.hpp"
 #include "vbond/core/dual.hpp"
+#include "vbond/physics/laws.hpp"
 
 namespace vbond {
 namespace {

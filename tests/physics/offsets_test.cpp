@@ -7,6 +7,7 @@
 
 #include "random_law.hpp"
 #include "vbond/physics/bond_step.hpp"
+#include "vbond/physics/laws.hpp"
 #include "vbond/physics/tangent.hpp"
 
 namespace vbond::offsets_test {

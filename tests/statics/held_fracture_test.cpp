@@ -9,6 +9,7 @@
 #include "campaigns/bodies.hpp"
 #include "campaigns/judge.hpp"
 #include "dynamics/spheres_and_walls.hpp"
+#include "vbond/physics/laws.hpp"
 #include "walks.hpp"
 
 namespace vbond {

@@ -14,6 +14,7 @@
 #include "vbond/core/error.hpp"
 #include "vbond/model/bond_sums.hpp"
 #include "vbond/model/mistakes.hpp"
+#include "vbond/physics/laws.hpp"
 #include "vbond/statics/statics.hpp"
 
 namespace vbond::moving_cell_test {

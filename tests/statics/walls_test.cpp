@@ -11,6 +11,7 @@
 #include "dynamics/spheres_and_walls.hpp"
 #include "meshes.hpp"
 #include "vbond/core/error.hpp"
+#include "vbond/physics/laws.hpp"
 #include "vbond/statics/detail/body.hpp"
 #include "vbond/statics/statics.hpp"
 

@@ -6,6 +6,7 @@
 #include "material_cases.hpp"
 #include "statics/walks.hpp"
 #include "validation/cases.hpp"
+#include "vbond/physics/laws.hpp"
 
 /// Bodies that break at rest.
 namespace vbond::testing {

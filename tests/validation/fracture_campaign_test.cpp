@@ -7,6 +7,7 @@
 
 #include "campaigns/judge.hpp"
 #include "fracture_bodies.hpp"
+#include "vbond/physics/laws.hpp"
 
 namespace vbond {
 namespace {

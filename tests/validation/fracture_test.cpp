@@ -6,6 +6,7 @@
 
 #include "fracture_bodies.hpp"
 #include "validation/static_bodies.hpp"
+#include "vbond/physics/laws.hpp"
 
 namespace vbond {
 namespace {

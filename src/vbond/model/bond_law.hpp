@@ -5,11 +5,19 @@
 #include <string_view>
 
 #include "vbond/core/column.hpp"
+#include "vbond/physics/bond_numbers.hpp"
 #include "vbond/physics/bond_rules.hpp"
-#include "vbond/physics/laws.hpp"
+#include "vbond/physics/law.hpp"
 #include "vbond/physics/range.hpp"
 
 namespace vbond {
+
+// The elastic laws, by name alone: nearly all sources include this header, and few need the formulas of a law
+// (physics/laws.hpp).
+template <Scalar T>
+struct VModel;
+template <Scalar T>
+struct Evm;
 
 struct Bond;
 struct BondLoops;

@@ -6,6 +6,7 @@
 
 #include "vbond/model/bond.hpp"
 #include "vbond/physics/flow_tangent.hpp"
+#include "vbond/physics/laws.hpp"
 
 /// What makes a BondLaw of a law's template. A law of the library is in BondLaws and needs no more; a law of
 /// a program's own is made by including this header where &bond_law<Law> is used.

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <utility>
 
+#include "vbond/physics/bond_numbers.hpp"
 #include "vbond/physics/pose.hpp"
 #include "vbond/physics/range.hpp"
 #include "vbond/physics/stiffness.hpp"
@@ -75,7 +76,6 @@ struct LawField {
 /// rules (with_rules.hpp) and one with flow (with_flow.hpp): any form of stretching, damping, strength,
 /// yielding, creep and softening, without a line of its own. So all its functions but bond_range are
 /// templates over the scalar type.
-inline constexpr std::size_t most_coefficients = 13;
 
 /// Whether tension() of a law is c_A (D - a), so that its softening is worked out in closed form; a law says
 /// so by a specialisation.
@@ -88,9 +88,6 @@ inline constexpr std::size_t coefficients_of = Law::fields().size();
 /// Coefficient number k of a law, as a pointer to its member.
 template <class Law, std::size_t k>
 inline constexpr auto coefficient = Law::fields()[k].at;
-
-/// The most that a bond may remember.
-inline constexpr std::size_t most_history = 17;
 
 template <class Law>
 inline constexpr std::size_t history_of = 0;

@@ -12,17 +12,6 @@
 
 namespace vbond {
 
-/// Where a flowing bond keeps what it remembers: the numbers of the history of a law WithFlow.
-namespace memory {
-inline constexpr std::size_t stretch = 0, crept = 1;  // what the length at rest has grown by  [length]
-inline constexpr std::size_t turn_i = 2, turn_j = 5;  // of the frames: rotation_by_quarter, in their own axes
-inline constexpr std::size_t axial = 8, shear = 9, bending = 10, torsion = 11;  // sums of all amounts of flow
-inline constexpr std::size_t bent = 12, twisted = 14;  // bending and twist that have flowed, with their signs
-inline constexpr std::size_t damage = 15;              // 0 to 1
-inline constexpr std::size_t dissipated = 16;          // [energy]
-inline constexpr std::size_t count = 17;
-}  // namespace memory
-
 /// A law with rules whose state of rest moves: its length at rest grows, its frames turn, and damage takes
 /// away from its energy. The energy itself stays that of the law with rules: see docs/theory.md.
 template <template <class> class ElasticLaw>

@@ -9,8 +9,6 @@
 
 namespace vbond {
 
-/// The first coefficients of a bond with offsets: o_i2, o_i3, o_j2, o_j3.
-inline constexpr std::size_t offset_coefficients = 4;
 inline constexpr std::string_view name_with_offsets = "-with-offsets";
 
 /// A law with rules or flow whose bonded points lie off the axis of the bond through the centre: rigid

@@ -9,10 +9,6 @@
 
 namespace vbond {
 
-/// What a bond with rules has of its own, in the order of its last coefficients.
-enum class RuleCoefficient : unsigned char { g_A, g_D, g_B, g_T, weakness };
-inline constexpr std::size_t rule_coefficients = 5;
-
 /// The letters of `first` and then of `more`, in an array that outlives every string_view of it.
 template <const std::string_view& first, const std::string_view& more>
 inline constexpr auto letters_of_both = [] {
