@@ -10,18 +10,18 @@
 #include <system_error>
 #include <utility>
 
+#include "calibrate_strengths.hpp"
 #include "campaign.hpp"
 #include "lock.hpp"
 #include "prepare.hpp"
 #include "processes.hpp"
 #include "shell.hpp"
 #include "status.hpp"
-#include "strengths.hpp"
 #include "vbond/case/arguments.hpp"
 #include "vbond/case/read.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/dynamics/kernel.hpp"
-#include "vbond/labtest/body.hpp"
+#include "vbond/labtest/test_body.hpp"
 #include "vbond/observe/files.hpp"
 #include "vbond/run/static_solver.hpp"
 #include "vbond/setup/build.hpp"

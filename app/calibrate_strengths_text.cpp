@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "calibrate_strengths.hpp"
 #include "campaign.hpp"
 #include "or_null.hpp"
-#include "strengths.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/core/printable.hpp"
 

@@ -9,7 +9,7 @@
 
 #include "campaign.hpp"
 #include "commands.hpp"
-#include "fit.hpp"
+#include "fit_command.hpp"
 #include "report_command.hpp"
 #include "signals.hpp"
 #include "vbond/core/error.hpp"

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "fit.hpp"
+#include "fit_command.hpp"
 #include "vbond/case/read.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/core/read_file.hpp"

@@ -1,6 +1,6 @@
 #include <CLI/CLI.hpp>
 
-#include "fit.hpp"
+#include "fit_command.hpp"
 
 namespace vbond::app {
 

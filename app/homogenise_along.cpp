@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "commands.hpp"
-#include "homogenise.hpp"
+#include "homogenise_along.hpp"
 #include "signals.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/model/cell_drive.hpp"

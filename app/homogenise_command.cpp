@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "commands.hpp"
-#include "homogenise.hpp"
+#include "homogenise_along.hpp"
 #include "prepare.hpp"
 #include "vbond/case/arguments.hpp"
 #include "vbond/case/read.hpp"

@@ -11,14 +11,14 @@
 #include <vector>
 
 #include "blas.hpp"
+#include "calibrate_strengths.hpp"
 #include "command_tree.hpp"
 #include "commands.hpp"
 #include "failure.hpp"
-#include "fit.hpp"
+#include "fit_command.hpp"
 #include "processes.hpp"
 #include "run_options.hpp"
-#include "strengths.hpp"
-#include "test.hpp"
+#include "test_command.hpp"
 #include "vbond/core/nearest.hpp"
 #include "vbond/dynamics/kernel.hpp"
 

@@ -1,5 +1,5 @@
 #include "commands.hpp"
-#include "fit.hpp"
+#include "fit_command.hpp"
 #include "vbond/core/error.hpp"
 
 namespace vbond::app {

@@ -1,7 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <stdexcept>
 
-#include "strengths.hpp"
+#include "calibrate_strengths.hpp"
 
 namespace vbond::app {
 

@@ -12,7 +12,7 @@
 #include "processes.hpp"
 #include "shell.hpp"
 #include "status.hpp"
-#include "test.hpp"
+#include "test_command.hpp"
 #include "vbond/case/read.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/dynamics/kernel.hpp"

@@ -1,7 +1,7 @@
 #include <CLI/CLI.hpp>
 
 #include "run_options.hpp"
-#include "test.hpp"
+#include "test_command.hpp"
 
 namespace vbond::app {
 

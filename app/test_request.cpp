@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "shell.hpp"
-#include "test.hpp"
+#include "test_command.hpp"
 #include "vbond/case/arguments.hpp"
 #include "vbond/labtest/request.hpp"
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "or_null.hpp"
-#include "test.hpp"
+#include "test_command.hpp"
 #include "vbond/core/printable.hpp"
 #include "vbond/labtest/envelope.hpp"
 #include "vbond/labtest/result.hpp"

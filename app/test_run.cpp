@@ -10,7 +10,7 @@
 
 #include "campaign.hpp"
 #include "inputs.hpp"
-#include "test.hpp"
+#include "test_command.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/labtest/made_test.hpp"
 #include "vbond/observe/files.hpp"

@@ -4,7 +4,7 @@
 #include <cstddef>
 
 #include "vbond/core/cell.hpp"
-#include "vbond/core/pack.hpp"
+#include "vbond/core/simd.hpp"
 #include "vbond/physics/vmodel.hpp"
 
 namespace vbond_bench::VBOND_SET {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "vbond/core/dual.hpp"
-#include "vbond/core/pack.hpp"
+#include "vbond/core/simd.hpp"
 
 namespace vbond::cell_test {
 namespace {

@@ -8,8 +8,8 @@
 #include <limits>
 #include <random>
 
-#include "vbond/core/pack.hpp"
 #include "vbond/core/scalar.hpp"
+#include "vbond/core/simd.hpp"
 
 namespace vbond {
 namespace {

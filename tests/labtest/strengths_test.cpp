@@ -1,4 +1,4 @@
-#include "vbond/labtest/strengths.hpp"
+#include "vbond/labtest/search_strengths.hpp"
 
 #include <gtest/gtest.h>
 

@@ -16,7 +16,7 @@
 #include "vbond/core/error.hpp"
 #include "vbond/observe/frames.hpp"
 #include "vbond/observe/vtp.hpp"
-#include "vbond/report/fit.hpp"
+#include "vbond/report/fit_frames.hpp"
 #include "vbond/report/page.hpp"
 #include "vbond/report/vtp_read.hpp"
 #include "vbond/setup/build.hpp"

@@ -1,7 +1,7 @@
 // The loop over contacts, compiled as kernel.cpp is and by the same rules.
 #include "vbond/dynamics/contact_kernel.hpp"
 
-#include "vbond/core/pack.hpp"
+#include "vbond/core/simd.hpp"
 
 namespace vbond::VBOND_KERNEL {
 namespace {

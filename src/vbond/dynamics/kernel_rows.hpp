@@ -8,8 +8,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "vbond/core/pack.hpp"
 #include "vbond/core/quat.hpp"
+#include "vbond/core/simd.hpp"
 #include "vbond/dynamics/rows.hpp"
 
 namespace vbond::VBOND_KERNEL {

@@ -1,7 +1,7 @@
 #pragma once
 #include <cstddef>
 
-#include "vbond/core/pack.hpp"
+#include "vbond/core/simd.hpp"
 #include "vbond/physics/stretch.hpp"
 
 /// Forms of stretching that branch, or need a logarithm, for packs: plain code for every machine, bond by

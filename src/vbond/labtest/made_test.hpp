@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "vbond/labtest/body.hpp"
+#include "vbond/labtest/test_body.hpp"
 
 namespace vbond::labtest {
 

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "vbond/core/error.hpp"
-#include "vbond/labtest/breaks.hpp"
+#include "vbond/labtest/broken_bonds.hpp"
 #include "vbond/labtest/table.hpp"
 #include "vbond/observe/files.hpp"
 

@@ -14,7 +14,7 @@
 #include "vbond/observe/summary.hpp"
 #include "vbond/report/case_of_page.hpp"
 #include "vbond/report/facts.hpp"
-#include "vbond/report/fit.hpp"
+#include "vbond/report/fit_frames.hpp"
 #include "vbond/report/stage_holds.hpp"
 #include "vbond/setup/build.hpp"
 

@@ -1,4 +1,4 @@
-#include "vbond/labtest/breaks.hpp"
+#include "vbond/labtest/broken_bonds.hpp"
 
 #include <fmt/format.h>
 

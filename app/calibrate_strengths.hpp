@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "commands.hpp"
-#include "test.hpp"
+#include "test_command.hpp"
 #include "vbond/labtest/result.hpp"
-#include "vbond/labtest/strengths.hpp"
+#include "vbond/labtest/search_strengths.hpp"
 
 namespace vbond::app {
 

@@ -1,4 +1,4 @@
-#include "vbond/report/fit.hpp"
+#include "vbond/report/fit_frames.hpp"
 
 #include <fmt/format.h>
 

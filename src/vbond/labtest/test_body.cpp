@@ -1,4 +1,4 @@
-#include "vbond/labtest/body.hpp"
+#include "vbond/labtest/test_body.hpp"
 
 #include <fmt/format.h>
 
