@@ -168,10 +168,11 @@ TEST(Heat, ThatComesAtOnceFlowsAtOnce) {
 TEST(Heat, BucklesAPinnedRodAtTheTemperatureOfTheReference) {
   const double exact = testing::material_case("TH1")["expected"]["alpha_dT_critical"];
   const Specimen s = warm_rod(10, warm());
+  const std::vector<Support> pinned = {
+      testing::fixed({ParticleId{0}}, {true, true, true, true, false, false}),
+      testing::fixed({ParticleId{9}}, testing::translations)};
   const auto stiffness_at = [&](double growth) {
-    StaticStage stage = heated(StageKind::equilibrium, s, growth / alpha,
-                               {testing::fixed({ParticleId{0}}, {true, true, true, true, false, false}),
-                                testing::fixed({ParticleId{9}}, testing::translations)});
+    StaticStage stage = heated(StageKind::equilibrium, s, growth / alpha, pinned);
     stage.at_saddle = AtSaddle::keep;
     return run_static_stage(s.model, stage, s.state, {}).result.smallest_eigenvalue.value();
   };
@@ -180,6 +181,17 @@ TEST(Heat, BucklesAPinnedRodAtTheTemperatureOfTheReference) {
   EXPECT_GT(k_below, 0.0);
   EXPECT_LT(k_above, 0.0);
   EXPECT_NEAR((below + (above - below) * k_below / (k_below - k_above)) / exact, 1.0, 1e-9);
+  // searches find it, too, though nothing moves on the way: the load factor alone goes on
+  const StaticStage search = heated(StageKind::buckling, s, 1.0, pinned);
+  const auto loads = run_static_stage(s.model, search, s.state, {}).result.critical_loads;
+  ASSERT_FALSE(loads.empty());
+  EXPECT_NEAR(loads[0].load_factor * alpha / exact, 1.0, 1e-9);
+  StaticStage path = heated(StageKind::path, s, 1.0, pinned);
+  path.path.above = 1.1 * exact / alpha;
+  const StaticResult followed = run_static_stage(s.model, path, s.state, {}).result;
+  ASSERT_FALSE(followed.special_points.empty());
+  EXPECT_EQ(followed.special_points[0].kind, PointKind::bifurcation);
+  EXPECT_NEAR(followed.special_points[0].load_factor * alpha / exact, 1.0, 1e-9);
 }
 
 /// The largest error of the energy balance of a rod that is heated and cooled while it swings.

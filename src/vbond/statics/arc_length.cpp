@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "vbond/core/bounding_box.hpp"
 #include "vbond/statics/detail/dense.hpp"
 #include "vbond/statics/detail/pulse.hpp"
 
@@ -73,7 +74,8 @@ double strained_movement(const StaticBody& body) {
 }
 
 double held_movement(const StaticBody& body) {
-  double sum = strained_movement(body);
+  const double imposed = body.imposed_strain() * extent_of(body);
+  double sum = strained_movement(body) + static_cast<double>(body.model().particles()) * sq(imposed);
   for (const Support& support : body.stage().supports)
     for (std::size_t k = 0; k < 3; ++k) {
       const HeldAxes* axes = support.axes ? &*support.axes : nullptr;
@@ -93,6 +95,13 @@ double angle_between(const Vec3d& a, const Vec3d& b) {
 }
 
 }  // namespace
+
+double extent_of(const StaticBody& body) {
+  double size = std::max(box_around(body.state().r).diagonal(), body.unknowns().length());
+  if (body.moves_cell())
+    for (const CellEdge& e : body.state().cell) size = std::max(size, norm(e.along));
+  return size;
+}
 
 ArcLength::ArcLength(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings)
     : body_(body), solver_(solver), settings_(settings), weight_(held_movement(body)) {}

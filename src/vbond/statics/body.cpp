@@ -330,6 +330,12 @@ double StaticBody::largest_change_of_terms(const Vector& x, double load_factor_c
   return largest;
 }
 
+double StaticBody::imposed_strain() const {
+  double largest = 0.0;
+  for (const RestTerm* t : terms_.all()) largest = larger(largest, t->imposed_strain());
+  return largest;
+}
+
 double StaticBody::largest_bond_change(const Vector& x, double load_factor_change) const {
   const auto moves = [&](ParticleId p) { return movement(p, x, load_factor_change); };
   double largest = 0.0;

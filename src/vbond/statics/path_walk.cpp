@@ -48,13 +48,6 @@ constexpr double shortest_step = 1e-10;
 // first step, where they are larger than rounding.
 constexpr double aside_on_branch = 1e-2;
 
-double size_of(const StaticBody& body) {
-  double size = std::max(box_around(body.state().r).diagonal(), body.unknowns().length());
-  if (body.moves_cell())
-    for (const CellEdge& e : body.state().cell) size = std::max(size, norm(e.along));
-  return size;
-}
-
 /// How far the edges of a cell go at most along a direction.  [length]
 double way_of_edges(const StaticBody& body, const PathDirection& d) {
   double change = 0.0, longest = 0.0;
@@ -82,7 +75,7 @@ bool may_dip_below_zero(const Softest& start, const Softest& end, double s) {
 }  // namespace
 
 PathWalk::PathWalk(StaticBody& body, TangentSolver& solver, const NewtonSettings& newton, double largest_step)
-    : body_(body), arc_(body, solver, newton), largest_step_(largest_step), size_(size_of(body)) {}
+    : body_(body), arc_(body, solver, newton), largest_step_(largest_step), size_(extent_of(body)) {}
 
 const PathPoint* PathWalk::start(double first_step) {
   std::optional<PathPoint> point = arc_.point_here({Vector::Zero(body_.unknowns().size()), 1.0});
@@ -291,7 +284,7 @@ void PathWalk::choose_next_step(const PathStep& step, const PathNode& end, int c
 /// goes as far as it may.  [arc-length]
 double PathWalk::longest(const PathDirection& d) const {
   const double most = largest_step_ > 0.0 ? largest_step_ : automatic_step * size_;
-  double largest2 = sq(way_of_edges(body_, d));
+  double largest2 = std::max(sq(way_of_edges(body_, d)), sq(d.f * body_.imposed_strain() * size_));
   const Unknowns& unknowns = body_.unknowns();
   for (const ParticleId p : body_.state().r.ids()) {
     const Movement m = unknowns.movement(p, d.u);

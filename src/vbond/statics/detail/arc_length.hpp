@@ -44,6 +44,9 @@ struct StepOutcome {
   std::vector<double> residuals;  ///< before each correction and at the end
 };
 
+/// Diagonal of the box around the particles, or the longest edge of a cell that moves.  [length]
+double extent_of(const StaticBody& body);
+
 /// One step along a path of balance R(u, f) = 0: predictor along a direction, corrector on the plane normal
 /// to it (Riks, Int. J. Solids Struct. 15 (1979) 529). A plane, not a sphere: it meets the path once, where a
 /// sphere meets it twice and a root has to be chosen. Turns do not add up, so the plane is kept increment by
@@ -52,7 +55,8 @@ struct StepOutcome {
 /// The arc-length is the movement of all degrees of freedom, free and held. So the load factor counts by
 /// what it moves itself: not at all under forces, whose size in terms of lengths is arbitrary (Crisfield,
 /// Non-linear Finite Element Analysis of Solids and Structures 1 (1991) 9.3), and as the distance that
-/// supports go where these drive the body, so that no arc is without length.
+/// supports go where these drive the body, or the strain that heat imposes on bonds times the size of the
+/// body: no arc is without length.
 ///
 /// Where the tangent stiffness is singular the equations of a step are not, at a limit point; and at a
 /// bifurcation they are consistent. Both are solved there with the null vectors taken out (Deflated): a step
@@ -126,9 +130,9 @@ class ArcLength {
   StaticBody& body_;
   TangentSolver& solver_;
   const NewtonSettings& settings_;
-  double weight_;     // squared movement of held degrees of freedom per load factor  [length^2]
-  int unstable_ = 0;  // at the last factor
-  std::optional<Deflated> singular_;                  // the same
+  double weight_;                     // squared movement that is imposed per load factor  [length^2]
+  int unstable_ = 0;                  // at the last factor
+  std::optional<Deflated> singular_;  // the same
   bool bordered_ = false, full_is_singular_ = false;  // the same, where outside moments act
   std::uint64_t factored_at_ = 0;                     // placement_number
   const DenseMatrix* held_ = nullptr;                 // modes along which the body does not move now

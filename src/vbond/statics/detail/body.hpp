@@ -212,6 +212,8 @@ class StaticBody {
   double largest_bond_change(const Vector& x, double load_factor_change = 0.0) const;
   /// The same by what terms can tell.
   double largest_change_of_terms(const Vector& x, double load_factor_change = 0.0) const;
+  /// The largest strain that terms impose on bonds per load factor.
+  double imposed_strain() const;
   /// How a particle moves with these unknowns and what is held with the load factor.
   Movement movement(ParticleId p, const Vector& x, double load_factor_change) const;
   /// How its held degrees of freedom move per load factor.

@@ -46,6 +46,8 @@ class RestTerm {
   virtual void add_loads(LoadSum&) const {}
   /// By how much loads change per load factor while nothing moves.
   virtual void add_load_rates(LoadSum&) const {}
+  /// The largest strain that it imposes on bonds per load factor, where that moves no particle by itself.
+  virtual double imposed_strain() const { return 0.0; }
   /// Pairs of particles that add_stiffness() couples, besides those that are bonded.
   virtual void add_pairs(std::vector<Assembly::Pair>&) const {}
   virtual void add_stiffness(StiffnessSum&) const {}

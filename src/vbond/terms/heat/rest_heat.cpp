@@ -47,6 +47,12 @@ void RestHeat::add_load_rates(LoadSum& to) const {
   }
 }
 
+double RestHeat::imposed_strain() const {
+  double largest = 0.0;
+  for (const double rate : growth_rate_) largest = larger(largest, std::abs(rate));
+  return largest;
+}
+
 double RestHeat::power() const {
   double power = 0.0;
   for (std::size_t k = 0; k < growth_rate_.size(); ++k) {

@@ -19,6 +19,7 @@ class RestHeat final : public RestTerm {
   void follow() override;
   /// Differences over an interval in which loads are linear but for the square of its length.
   void add_load_rates(LoadSum& to) const override;
+  double imposed_strain() const override;
 
   /// Whether bonds change their lengths with the load factor.
   bool changes_bonds() const { return !growth_rate_.empty(); }
