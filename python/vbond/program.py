@@ -110,8 +110,8 @@ def laboratory_test(case: Case, kind: str, folder: str | os.PathLike, *, pressur
     """Makes a laboratory test of the body of the case, runs it, and returns what result.json has but for the name of the case
     (docs/laboratory-tests.md). kind: "tension", "compression", "brazilian", "triaxial", "bend3" or "shear"; folder: new, holds
     the case of the test and its run; pressures: of triaxial; options: axis, across, ends, strain, drop, area, depth, span,
-    rate, damping, as behind their names on the command line. ProgramError if there is no result."""
-    known = ("axis", "across", "ends", "strain", "drop", "area", "depth", "span", "rate", "damping")
+    notch, E, rate, damping, as behind their names on the command line. ProgramError if there is no result."""
+    known = ("axis", "across", "ends", "strain", "drop", "area", "depth", "span", "notch", "E", "rate", "damping")
     if wrong := sorted(set(options) - set(known)):
         raise ValueError(f"laboratory_test: {wrong[0]!r} is no option; they are {', '.join(known)}")
     words = ["-o", os.fspath(folder)] + ["--motion"] * motion + ["--frames"] * frames

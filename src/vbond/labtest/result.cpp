@@ -163,6 +163,11 @@ void find_elastic(const MadeTest& test, const std::vector<Row>& rows, std::size_
   }
   if (used.size() < 2) return result.notes.push_back("the run ended before the elastic stage: no modulus");
   find_moduli(test, used, result);
+  if (!test.notch) return;
+  result.toughness = Toughness{};
+  if (const auto E =
+          std::exchange(result.modulus, std::nullopt))  // of a whole beam: it says no more than this
+    result.toughness->compliance = test.stress_per_force / (test.strain_per_way * *E);
 }
 
 /// The last row before so many bonds have broken: at rest just where the break began.
@@ -261,6 +266,23 @@ void find_peak(const MadeTest& test, const std::vector<Row>& rows, std::size_t p
                            test.end_strain, test.request.drop, result.breaks == 0 ? "; no bond broke" : ""));
 }
 
+/// Of a notched beam, once its peak is known.
+void find_toughness(const MadeTest& test, const std::vector<Row>& rows, std::size_t begin,
+                    TestResult& result) {
+  Toughness& t = *result.toughness;
+  if (!result.peak) return;
+  t.K_Ic = result.peak->force * test.notch->toughness_per_force;
+  if (test.request.modulus) t.G_Ic = sq(*t.K_Ic) / *test.request.modulus;
+  if (!test.request.at_rest) return;  // what waves and damping take is no work of fracture
+  const double left = rows.back().at.force / result.peak->force;
+  if (left > force_gone) return result.notes.push_back(no_work_of_fracture(left));
+  double work = 0;  // at rest history.csv has none of supports; between two rows the body is elastic
+  for (std::size_t k = begin; k + 1 < rows.size(); ++k)
+    work += 0.5 * (rows[k].at.force + rows[k + 1].at.force) * (rows[k + 1].at.strain - rows[k].at.strain) /
+            test.strain_per_way;
+  t.work_of_fracture = work / test.notch->ligament();
+}
+
 /// Until the peak. If bonds break from the row before it on, that is the last: what they set free is no fault
 /// of the rate.
 Inertia inertia_of(const std::vector<Row>& rows, std::size_t peak) {
@@ -346,6 +368,7 @@ TestResult result_of(const MadeTest& test, const std::filesystem::path& folder) 
   find_peak(test, rows, peak, result);
   if (result.peak && ended_too_soon(test, rows, begin, peak, result))
     result.peak.reset(), result.modulus.reset(), result.modulus_by_ends.reset(), result.nu.reset();
+  if (result.toughness) find_toughness(test, rows, begin, result);
   tell_stress_before(test, result);
   result.fragments = rows.back().fragments, result.largest_fragment = rows.back().largest_fragment;
   if (!test.request.at_rest) {
