@@ -1,6 +1,7 @@
 """`vbond test bend3 --notch`: what the notch leaves out, K by its formula against energies, work of fracture, what is refused."""
 import json
 import math
+import re
 from pathlib import Path
 
 import pytest
@@ -96,6 +97,16 @@ def test_no_later_set_bonds_what_is_left_out(work):
     assert table("some/run")[0]["bonds"] == table("whole/run")[0]["bonds"] - r["notch"]["left_out"], whole
 
 
+def test_flat_joints_are_left_out_whole(work):
+    joint = beam(8).replace('theory = "bernoulli-euler"\nE = 1.0\nnu = 0.0\nsection = {shape = "square", side = 1.0}',
+                            'theory = "parallel"\nk_n = 1.0\nk_s = 0.4\nsection = {shape = "circle", diameter = 1.0}\n'
+                            'flat_joint = {radial = 1, around = 4}\n'
+                            'strength = {criterion = "mohr-coulomb", tension_limit = 1e-4, cohesion = 1e-3, friction_angle = 0.5}')
+    _, r = notched(joint, "joints")
+    assert (r["notch"]["left_out"], r["notch"]["stay"]) == (4, 4) and table("joints/run")[0]["bonds"] == 4 * (BONDS - 4)
+    assert r["K_Ic"] > 0
+
+
 def test_toughness_and_work_of_fracture(work):
     said, r = notched(beam(8, BRITTLE), "broken", "--drop", "0.95", "--E", "1")
     assert r["K_Ic"] == pytest.approx(r["peak"]["force"] * r["notch"]["K_per_force"], rel=1e-12)
@@ -146,4 +157,70 @@ def test_other_tests_take_no_notch(work):
     vbond("test tension beam.toml --axis x --notch 4 -o nothing", status=2, err=["--notch 4", "is for bend3"])
     write("si.toml", beam(8).replace("\n[[specimen]]", '\n[units]\nsystem = "SI"\n[[specimen]]', 1))
     vbond("test bend3 si.toml --axis x --notch", "4 MPa", "-o nothing", status=2, err=["--notch 4 MPa", "must be a length"])
+    assert not Path("nothing").exists()
+
+
+# ---- limits for a toughness -----------------------------------------------------------------------------------------
+def calibrate(folder, *options, text=None, **more):
+    write("beam.toml", text or beam(8, BRITTLE))
+    said = vbond("calibrate beam.toml --axis x -o", folder, *options, **more)
+    return said, json.loads(Path(folder, "result.json").read_text()) if Path(folder).exists() else None
+
+
+def test_limits_for_a_toughness(work):
+    said, found = calibrate("alone", "--toughness", "5e-4", "--within", "1e-3")
+    last = found["evaluations"][-1]
+    assert found["end"] == "reached" and last["toughness"] == pytest.approx(5e-4, rel=1e-3) and last["tensile"] is None
+    assert last["factors"]["tension"] == last["factors"]["shear"] and found["tests"] == 2
+    assert [folder[3:] for folder in last["folders"]] == ["bend3"]
+    said.expect(out=["fracture toughness 0.0005", "toughness\n", "strength.tension = "])
+    # what is printed, put into the case, has it
+    limit = re.search(r"strength.tension = (\S+)", said.out)[1]
+    shear = re.search(r"strength.shear = (\S+)", said.out)[1]
+    _, r = notched(beam(8, f'strength = {{criterion = "stress", tension = {limit}, shear = {shear}}}'), "found")
+    assert r["K_Ic"] == last["toughness"]
+    again, _ = calibrate("alone", "--toughness", "5e-4", "--within", "1e-3")
+    assert again.out == said.out
+
+
+def test_toughness_and_strength_go_together_or_are_refused_by_grains(work):
+    # A lattice bears the limit of its bonds in tension over the whole section: T = 1e-4. Its K is that of the test.
+    text = beam(8, BRITTLE).replace(", 1, 8]", ", 2, 8]")  # ends are faces
+    K = notched(text, "as_it_is")[1]["K_Ic"]
+    _, both = calibrate("both", "--tensile", "2e-4", "--toughness", str(2 * K), text=text)
+    last = both["evaluations"][-1]
+    assert both["end"] == "reached" and last["tensile"] == pytest.approx(2e-4, rel=0.01) and last["toughness"] == pytest.approx(2 * K, rel=0.01)
+    # three times the ratio: grains nine times as large
+    said, refused = calibrate("refused", "--tensile", "2e-4", "--toughness", str(6 * K), text=text, status=1)
+    assert refused["end"] == "grains" and [e["toughness"] is None for e in refused["evaluations"]] == [True, True, False]
+    assert refused["nearest"]["evaluation"] == 2 and refused["evaluations"][2]["folders"] == ["03-bend3"]
+    told = re.search(r"grains (\S+) times as large", said.err)
+    assert float(told[1]) == pytest.approx(9, rel=0.01)
+    said.expect(status=1, err=["does not go with the tensile strength", "root of the grain size", "the nearest that was found takes"])
+
+
+def test_larger_grains_are_as_told(work):
+    # The same lattice with everything twice as large, its bonds being of the same material: K goes with the root, T not at all.
+    large = beam(8, BRITTLE).replace("spacing = 1.0", "spacing = 2.0").replace("radius = 0.5", "radius = 1.0").replace("distance = 1.1", "distance = 2.2")
+    large = large.replace("side = 1.0", "side = 2.0")
+    (_, one), (_, two) = notched(beam(8, BRITTLE), "one"), notched(large, "two")
+    assert two["K_Ic"] / one["K_Ic"] == pytest.approx(math.sqrt(2), rel=1e-6)
+
+
+@pytest.mark.parametrize("options, told", [
+    (["--toughness=-1"], ["--toughness -1", "must be > 0"]),
+    (["--toughness", "1 MPa m^0.5"], ["reduced units", "bare number"]),
+    (["--toughness", "1e-3", "--notch", "9"], ["--notch 9 of a beam 8 high"]),
+    (["--notch", "3"], ["--toughness"]),
+    (["--toughness", "1e-3", "--E", "1"], ["excludes"]),
+])
+def test_wrong_toughness_writes_nothing(work, options, told):
+    calibrate("nothing", *options, status=2, err=told)
+    assert not Path("nothing").exists()
+
+
+def test_toughness_has_its_unit(work):
+    text = beam(8, BRITTLE).replace("\n[[specimen]]", '\n[units]\nsystem = "SI"\n[[specimen]]', 1)
+    for wrong in ("2 MPa", "2 MPa m", "2 m^0.5"):
+        calibrate("nothing", "--toughness", wrong, text=text, status=2, err=[f"--toughness {wrong}", "must be a fracture toughness", "MPa m^0.5"])
     assert not Path("nothing").exists()

@@ -44,6 +44,11 @@ double clear_plane(const Body& body, double wanted) {
   return clear ? wanted : 0.5 * (below + wanted);
 }
 
+/// Whether a bond is another cell of the flat joint that the one before it belongs to.
+bool is_next_cell(const Bond* before, const Bond& b) {
+  return before != nullptr && before->set == b.set && before->i == b.i && before->j == b.j;
+}
+
 /// How far from the stretched side a bond crosses the plane; nothing if it does not.
 std::optional<double> depth_of_crossing(const Body& body, const Bond& b, double plane) {
   const Vec3d &i = body.state.r[b.i], &j = body.state.r[b.j];
@@ -66,10 +71,13 @@ std::vector<ListedBonds> listed(const Body& body, const std::vector<char>& left_
     if (left_out[k++] != 0) first = std::min(first, static_cast<std::size_t>(b.set));
   for (std::size_t set = first; set < body.c.bonds.size(); ++set) all.push_back({set, {}});
   k = 0;
-  for (const Bond& b : body.state.bonds)
-    if (left_out[k++] == 0 && b.set >= first)
+  const Bond* before = nullptr;
+  for (const Bond& b : body.state.bonds) {
+    if (left_out[k++] == 0 && b.set >= first && !is_next_cell(before, b))
       all[b.set - first].pairs.push_back(
           {static_cast<std::int64_t>(b.i.value), static_cast<std::int64_t>(b.j.value)});
+    before = &b;
+  }
   for (const ListedBonds& set : all)
     if (set.pairs.empty())
       throw CaseError(Problem{body.c.bonds[set.set].place,
@@ -112,12 +120,15 @@ Notch notch_of(const Body& body, const Request& request, const Section& section,
               .height = h,
               .thickness = section.extent[1]};
   std::vector<char> left_out;
+  const Bond* before = nullptr;
   double deepest = 0, next = std::numeric_limits<double>::infinity();
   for (const Bond& b : body.state.bonds) {
     const auto depth = b.broken ? std::nullopt : depth_of_crossing(body, b, notch.plane);
     const bool cut = depth && *depth <= wanted + 1e-9 * h;
     left_out.push_back(cut ? 1 : 0);
-    if (!depth) continue;
+    const bool counted = is_next_cell(before, b);
+    before = &b;
+    if (!depth || counted) continue;
     (cut ? notch.left_out : notch.stay) += 1;
     if (cut)
       deepest = std::max(deepest, *depth);
