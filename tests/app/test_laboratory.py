@@ -253,6 +253,20 @@ def test_motion_agrees_with_rest(work):
     said.expect(out="kinetic energy over work")
 
 
+def test_moduli_of_a_body_that_cracks_early(work):
+    # Strengths of Weibull's modulus 1: half of the bonds that break before the peak do so below half of it, and the slope
+    # there is far below E = 1. The strain that is advised has rows of the whole body.
+    text = BAR.replace("torque = 1}", "torque = 1, weibull = {modulus = 1, seed = 1}}")
+    said, r = test_case("tension", text, "--strain", "2e-3", "--motion", folder="early")
+    note = next(n for n in r["notes"] if "a body that cracks" in n)
+    assert r["E"] < 0.8 and 0.4 < float(re.search(r"cracks: (\S+) of the breaks", note)[1]) < 0.6
+    said.expect(out="E and nu are slopes of a body that cracks")
+    _, whole = test_case("tension", text, "--motion", "--strain", re.search(r"--strain (\S+?)\)", note)[1], folder="whole")
+    assert near(whole["E"], 1, 0.01) and whole["breaks"] == 0
+    _, strong = test_case("tension", BAR, "--strain", "2e-3", "--motion", folder="strong")
+    assert not any("cracks" in n for n in strong["notes"])
+
+
 def test_files_of_the_case_go_along(work):
     rows = [f"{x},{y},{z}" for x in range(3) for y in range(3) for z in range(5)]
     write("points.csv", "x,y,z\n" + "\n".join(rows) + "\n")

@@ -103,11 +103,19 @@ void describe(Table& t, VelocitySpec& v);
 void describe(Table& t, SourceSpec& s);
 void describe(Table& t, SinkSpec& s);
 void describe(Table& t, TimeSpec& s);
+/// Kinds of stages in words, for keys that only these have.
+inline constexpr const char* in_dynamics = "kind = \"dynamics\"";
+inline constexpr const char* in_statics =
+    "kind = \"equilibrium\", \"path\", \"buckling\", \"modes\" or \"fracture\"";
 /// False if its kind could not be read; it is then taken for dynamics.
 bool describe(Table& t, StageSpec& s);
+/// No kind: it is misspelt, and keys of every kind are right.
+void describe(Table& t, SupportSpec& s, std::optional<StageKind> kind);
+void describe(Table& t, LoadSpec& s, std::optional<StageKind> kind);
 void describe(Table& t, TimeFunctionSpec& f);
 void describe(Table& t, DistanceStopSpec& s);
 void describe(Table& t, PeakStopSpec& s);
+void describe(Table& t, RestStopSpec& s);
 void describe(Table& t, BreakStopSpec& s);
 void describe(Table& t, BranchSwitch& b);
 void describe(Table& t, OutputSpec& o, bool any_dynamics, bool periodic);

@@ -5,133 +5,10 @@
 namespace vbond::keys {
 namespace {
 
-const char* const in_dynamics = "kind = \"dynamics\"";
-const char* const in_statics = "kind = \"equilibrium\", \"path\", \"buckling\", \"modes\" or \"fracture\"";
-
-/// Nothing if it is misspelt: then keys of every kind are right.
-using Kind = std::optional<StageKind>;
-
 constexpr CountCodec at_least_one{1, 1'000'000};
-
-/// Any number of directions; none is not written.
-struct DirectionsCodec : ListCodec<VectorCodec> {
-  std::string write(const std::vector<Vec3d>& directions) const {
-    return directions.empty() ? std::string{} : ListCodec<VectorCodec>::write(directions);
-  }
-};
 
 bool any(const Vec3d& v) {
   return !(v == Vec3d{});
-}
-
-/// A movement of a degree of freedom that is not held would be lost without a word; less than a thousandth
-/// of one is a direction that was rounded.
-void check_moves_are_held(Table& t, const HeldDirections& held, const char* along, const Vec3d& v,
-                          const char* about, const Vec3d& w) {
-  const auto unheld = [&held](const Vec3d& x, bool is_rotation) {
-    return norm(x - held_part(held, x, is_rotation)) > (held.axes ? 1e-3 * norm(x) : 0.0);
-  };
-  t.check(!unheld(v, false), {along, "fix"}, "a component along a direction that fix does not hold",
-          "add the direction (\"x\", \"y\", \"z\", or a vector as [0.6, 0, 0.8]) to fix, or set the "
-          "component to 0");
-  t.check(
-      !unheld(w, true), {about, "fix"}, "a component about an axis that fix does not hold",
-      "add the axis (\"rx\", \"ry\", \"rz\") to fix or a vector to fix_rotation, or set the component to 0");
-}
-
-/// The same for a rigid group; all degrees of freedom are not written.
-struct FixOfGripCodec : FixCodec {
-  std::string write(const SupportSpec& s) const { return s.held == all_held ? "" : FixCodec::write(s); }
-};
-
-/// A rigid group that is free in some degrees of freedom.
-void check_free_grip(Table& t, const SupportSpec& s, Kind kind) {
-  t.check(s.along.empty(), {"fix"}, "a rigid group is held along and about the world's axes",
-          "name some of \"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"");
-  const int turns = s.held[3] + s.held[4] + s.held[5];
-  t.check(turns != 1, {"fix"}, "a rigid group holds no rotation, two or all three",
-          "add another of \"rx\", \"ry\", \"rz\", or take it out");
-  t.check(turns == 3 || (s.angular_velocity == Vec3d{} && s.rotation == Vec3d{}),
-          {"angular_velocity", "rotation", "fix"},
-          "a rigid group that turns as it is told holds all three rotations",
-          "add \"rx\", \"ry\" and \"rz\" to fix");
-  t.check(!s.pivot || (s.held[0] && s.held[1] && s.held[2] && s.velocity == Vec3d{}), {"pivot", "fix"},
-          "the pivot of a rigid group that is free in part stands still",
-          "hold \"x\", \"y\" and \"z\" at rest, or leave pivot out: it is the centre of mass then");
-  t.check(kind != StageKind::modes, {"fix"}, "modes take rigid groups that are held altogether",
-          "leave fix out, or ring the body in a stage of dynamics");
-}
-
-void describe_support(Table& t, SupportSpec& s, Kind kind) {
-  t.locate(s.place);
-  t.key("group", s.group, group_name, required, "which particles");
-  t.key("rigid", s.rigid, FlagCodec{}, optional,
-        "a grip: the group moves as one rigid body, positions and orientations, all of them held");
-  t.when(!s.rigid, "rigid = false", [&] {
-    t.key("fix", s, FixCodec{}, required,
-          "which degrees of freedom are held: translation along, rotation about the world's axes; a vector "
-          "holds translation along it");
-    t.key("fix_rotation", s.about, DirectionsCodec{{direction_vector}}, optional,
-          "axes, as vectors, about which rotation is held as well");
-    t.check(s.held != HeldDofs{} || !s.along.empty() || !s.about.empty(), {"fix"}, "must hold something",
-            "name a direction, as in fix = [\"x\"]");
-  });
-  if (t.reading() && s.rigid && !t.is_given("fix")) s.held = all_held;
-  t.when(s.rigid, "rigid = true", [&] {
-    t.key("fix", s, FixOfGripCodec{}, default_is("all of them"),
-          "which degrees of freedom of the group as one body are held, along and about the world's axes; "
-          "loads on its particles move it along and about the others");
-    t.key("pivot", s.pivot, vector_of(length), default_is("middle of the group"),
-          "a point of the axis as the stage begins; the middle is the mean of the positions then, of a group "
-          "that is free in part its centre of mass");
-  });
-  t.when(!kind || !is_static(*kind), in_dynamics, [&] {
-    t.key("velocity", s.velocity, vector_of(velocity), optional,
-          "of the held translations; of a rigid group's pivot");
-    t.key("angular_velocity", s.angular_velocity, vector_of(angular_velocity), optional,
-          "of the held rotations; of a rigid group about its pivot");
-    describe(t, s.factor);
-    check_moves_are_held(t, directions_of(s), "velocity", s.velocity, "angular_velocity", s.angular_velocity);
-  });
-  // about a balance at rest: modes take the supports as they are
-  t.when(
-      !kind || (is_static(*kind) && kind != StageKind::modes),
-      "kind = \"equilibrium\", \"path\", \"buckling\" or \"fracture\"", [&] {
-        t.key(
-            "displacement", s.displacement, vector_of(length), optional,
-            "of the held translations, from where the stage finds them, at load factor 1; of a rigid group's "
-            "pivot");
-        t.key(
-            "rotation", s.rotation, vector_of(angle), optional,
-            "of the held rotations at load factor 1; with all three held a rotation vector, of a rigid group "
-            "about its pivot");
-        check_moves_are_held(t, directions_of(s), "displacement", s.displacement, "rotation", s.rotation);
-      });
-  if (s.rigid && s.held != all_held) check_free_grip(t, s, kind);
-}
-
-void describe_load(Table& t, LoadSpec& s, Kind kind) {
-  t.locate(s.place);
-  t.key("group", s.group, group_name, required, "which particles");
-  t.key("force", s.force, vector_of(force), optional,
-        "on each particle, fixed in direction unless it follows");
-  t.key("moment", s.moment, vector_of(moment), optional,
-        "on each particle, fixed in direction unless it follows");
-  t.key("total_force", s.total_force, vector_of(force), optional,
-        "on the whole group, shared by mass: through its centre of mass");
-  t.key("total_moment", s.total_moment, vector_of(moment), optional,
-        "on the whole group, as moments on its particles, shared by mass: a torque about any axis along it");
-  t.when(!kind || takes_followers(*kind), "kind = \"dynamics\", \"equilibrium\" or \"path\"", [&] {
-    t.key(
-        "follower", s.follower, FlagCodec{}, optional,
-        "the load turns with each particle: it is given along the particle's own axes, those of the world as "
-        "the run begins");
-  });
-  t.when(!kind || !is_static(*kind), in_dynamics, [&] { describe(t, s.factor); });
-  t.when(!kind || is_static(*kind), in_statics, [&] {
-    t.key("constant", s.constant, FlagCodec{}, optional,
-          "at full size from the start, not in proportion to the load factor; modes: always");
-  });
 }
 
 void describe_load_factor_stop(Table& t, PathSettings& p) {
@@ -320,8 +197,8 @@ void describe_statics(Table& t, StageSpec& s) {
   if (path || fracture || s.kind == StageKind::buckling) check_proportional(t, s);
 }
 
-Kind describe_kind(Table& t, StageSpec& s) {
-  Kind kind = s.kind;
+std::optional<StageKind> describe_kind(Table& t, StageSpec& s) {
+  std::optional<StageKind> kind = s.kind;
   if (t.reading() && t.is_given("kind")) kind.reset();
   t.key("kind", kind,
         ChoiceCodec<StageKind>{{"dynamics", "equilibrium", "path", "buckling", "modes", "fracture"},
@@ -339,12 +216,12 @@ Kind describe_kind(Table& t, StageSpec& s) {
 bool describe(Table& t, StageSpec& s) {
   t.locate(s.place);
   t.key("name", s.name, NameCodec{}, default_is("`\"stage-1\"`, `\"stage-2\"`, ..."), "name of the stage");
-  const Kind kind = describe_kind(t, s);
+  const std::optional<StageKind> kind = describe_kind(t, s);
   t.key("gravity", s.gravity, vector_of(acceleration), optional, "acceleration of all particles");
   t.tables("supports", s.supports, optional, "degrees of freedom that are held or moved",
-           [kind](Table& k, SupportSpec& support) { describe_support(k, support, kind); });
+           [kind](Table& k, SupportSpec& support) { describe(k, support, kind); });
   t.tables("loads", s.loads, optional, "forces and moments on the particles of a group",
-           [kind](Table& k, LoadSpec& load) { describe_load(k, load, kind); });
+           [kind](Table& k, LoadSpec& load) { describe(k, load, kind); });
   describe_terms(t, s, kind);
   const bool breaks = kind == StageKind::fracture;
   t.when(!kind || kind != StageKind::modes, "every kind but \"modes\"", [&] {
@@ -379,59 +256,6 @@ void describe(Table& t, TimeFunctionSpec& f) {
   t.check(!(t.is_given("ramp") && t.is_given("table")), {"table", "ramp"},
           "only one of ramp and table may be given", "keep one; ramp = T is table = [[0, 0], [T, 1]]");
   if (ramp && f.points.empty()) f.points = {{CaseTime{0, ramp->in_T_0}, 0.0}, {*ramp, 1.0}};
-}
-
-void describe(Table& t, DistanceStopSpec& s) {
-  t.locate(s.place);
-  t.key("between", s.between, tuple_of<2>(particle_number), required, "numbers of the two particles");
-  t.check(s.between[0] != s.between[1], {"between"}, "must be two different particles", "change one number");
-  const std::size_t side = t.exactly_one({"below", "above"}, s.below ? 0 : 1);
-  t.when(side == 0, "below",
-         [&] { t.key("below", s.value, positive(length), required, "stop at this or less"); });
-  t.when(side == 1, "above",
-         [&] { t.key("above", s.value, positive(length), required, "stop at this or more"); });
-  s.below = side == 0;
-}
-
-void describe(Table& t, RestStopSpec& s) {
-  t.locate(s.place);
-  t.key("kinetic_energy_below", s.kinetic_energy_below, positive(energy), required,
-        "the kinetic energy must stay below this");
-  t.key(
-      "during", s.during, TimeCodec{}, required,
-      "for this time: longer than half the slowest period, since a swing has no kinetic energy at its turns");
-}
-
-void describe(Table& t, BreakStopSpec& s) {
-  t.locate(s.place);
-  t.key("count", s.count, CountCodec{1, INT64_C(1'000'000'000)}, required,
-        "how many bonds must have broken since the stage began");
-}
-
-void describe(Table& t, PeakStopSpec& s) {
-  t.locate(s.place);
-  default_to_all(s.group);
-  t.key("quantity", s.quantity,
-        ChoiceCodec<PeakQuantity>{
-            {"compressive-force", "reaction", "wall-force"},
-            {PeakQuantity::compressive_force, PeakQuantity::reaction, PeakQuantity::wall_force}},
-        optional,
-        "mean compression of the bonds in the group, its total support force, or the force of particles on a "
-        "wall");
-  t.when(s.quantity != PeakQuantity::wall_force, "quantity = \"compressive-force\" or \"reaction\"",
-         [&] { t.key("group", s.group, group_name, optional, "of which particles"); });
-  t.when(s.quantity == PeakQuantity::wall_force, "quantity = \"wall-force\"",
-         [&] { t.key("wall", s.wall, ReferenceCodec{"wall"}, required, "which wall, moving or not"); });
-  t.when(s.quantity != PeakQuantity::compressive_force, "quantity = \"reaction\" or \"wall-force\"", [&] {
-    t.key("direction", s.direction, direction_vector, optional,
-          "component of the force; the force on a wall that presses points against its motion");
-  });
-  t.key("drop", s.drop, NumberCodec{pure, {0, 1, true, true}}, optional,
-        "part of the peak that must be lost");
-  t.key("above", s.above, not_negative(force), optional,
-        "peaks up to this do not count, as that of a first touch");
-  t.key("average_over", s.average_over, TimeCodec{}, required,
-        "the quantity is averaged over blocks of this time");
 }
 
 void describe(Table& t, BranchSwitch& b) {

@@ -136,6 +136,21 @@ void find_moduli(const MadeTest& test, const std::vector<const Row*>& rows, Test
   if (result.nu_across && result.nu_third) result.nu = 0.5 * (*result.nu_across + *result.nu_third);
 }
 
+/// Tells where E and nu are those of a body that has cracked already.
+void tell_cracks_behind(const std::vector<Row>& rows, const Row& last, std::size_t peak, TestResult& result) {
+  constexpr double many = 0.05;
+  const auto broken = [&rows](const Row& r) { return r.broken - rows.front().broken; };
+  const double part =
+      static_cast<double>(broken(last)) / static_cast<double>(std::max<std::int64_t>(1, broken(rows[peak])));
+  if (part <= many) return;
+  const auto first = std::find_if(rows.begin(), rows.end(), [&](const Row& r) { return broken(r) > 0; });
+  result.notes.push_back(fmt::format(
+      "E and nu are slopes of a body that cracks: {:.2g} of the breaks before the peak come before half of "
+      "it; "
+      "for elastic constants end the test before the first break (--strain {:.2g}), or test at rest",
+      part, 0.9 * first->at.strain));
+}
+
 /// At rest from the stage "elastic"; in motion from rows between a tenth and half of the peak, before which
 /// the platens begin to move, and beyond which bonds break.
 void find_elastic(const MadeTest& test, const std::vector<Row>& rows, std::size_t peak, TestResult& result) {
@@ -160,6 +175,7 @@ void find_elastic(const MadeTest& test, const std::vector<Row>& rows, std::size_
           used.size()));
       return;
     }
+    tell_cracks_behind(rows, *used.back(), peak, result);
   }
   if (used.size() < 2) return result.notes.push_back("the run ended before the elastic stage: no modulus");
   find_moduli(test, used, result);

@@ -21,6 +21,7 @@
 #include "vbond/setup/inertia.hpp"
 #include "vbond/setup/motion_stages.hpp"
 #include "vbond/setup/source_bonds.hpp"
+#include "vbond/setup/stage_step.hpp"
 #include "vbond/setup/velocities.hpp"
 #include "vbond/terms/walls/setup_walls.hpp"
 

@@ -14,6 +14,7 @@
 #include "vbond/model/passage.hpp"
 #include "vbond/setup/motion_stages.hpp"
 #include "vbond/setup/regions.hpp"
+#include "vbond/setup/stage_step.hpp"
 #include "vbond/terms/walls/mesh_surface.hpp"
 
 namespace vbond {

@@ -3,6 +3,7 @@
 #include "vbond/setup/bonds.hpp"
 #include "vbond/setup/motion_stages.hpp"
 #include "vbond/setup/stage_resolver.hpp"
+#include "vbond/setup/stage_step.hpp"
 
 namespace vbond {
 namespace {
