@@ -139,6 +139,7 @@ std::vector<labtest::Request> requests_of(const TestOptions& options, UnitSystem
   return Requested(options, units).requests();
 }
 
+// without --E, which changes neither case nor run: the same run can be evaluated with another one
 std::string test_command_of(const RunOptions& options, const TestOptions& o) {
   std::string text = "vbond test " + o.kind + " " + shell_word(options.case_file.filename().string());
   const auto add = [&text](const char* name, const std::string& value) {
@@ -148,7 +149,7 @@ std::string test_command_of(const RunOptions& options, const TestOptions& o) {
   add("--axis", o.axis), add("--across", o.across), add("--ends", o.ends == "slide" ? "" : o.ends);
   if (o.motion) text += " --motion";
   add("--strain", o.strain), add("--drop", o.drop), add("--area", o.area), add("--depth", o.depth);
-  add("--span", o.span), add("--notch", o.notch), add("--E", o.modulus);
+  add("--span", o.span), add("--notch", o.notch);
   add("--rate", o.rate), add("--damping", o.damping);
   for (const std::string& pressure : o.pressures) add("--pressure", pressure);
   if (o.frames) text += " --frames";

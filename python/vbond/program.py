@@ -125,7 +125,8 @@ def laboratory_test(case: Case, kind: str, folder: str | os.PathLike, *, pressur
 
 
 def calibrate_strengths(case: Case, folder: str | os.PathLike, *, tensile: float | str | None = None, compressive: float | str | None = None,
-                        toughness: float | str | None = None, within: float = 0.01, motion: bool = False, threads: int | None = None, quiet: bool = True,
+                        toughness: float | str | None = None, within: float = 0.01, motion: bool = False,
+                        threads: int | None = None, quiet: bool = True,
                         **options: float | str) -> dict[str, Any]:
     """Finds limits of bonds with which the body of the case has these strengths in laboratory tests, and returns what
     result.json has but for the name of the case (docs/material.md). One that has not reached them says so as "end" and
@@ -137,7 +138,8 @@ def calibrate_strengths(case: Case, folder: str | os.PathLike, *, tensile: float
     if tensile is None and compressive is None and toughness is None:
         raise ValueError("calibrate_strengths: give tensile, compressive or toughness, or more than one")
     words = ["-o", os.fspath(folder), "--within", str(within)] + ["--motion"] * motion
-    for option, value in [*options.items(), ("tensile", tensile), ("compressive", compressive), ("toughness", toughness), ("threads", threads)]:
+    asked = [("tensile", tensile), ("compressive", compressive), ("toughness", toughness)]
+    for option, value in [*options.items(), *asked, ("threads", threads)]:
         words += [] if value is None else [f"--{option}={value}"]
     try:
         with _as_file(case) as file:

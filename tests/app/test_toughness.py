@@ -121,6 +121,10 @@ def test_toughness_and_work_of_fracture(work):
     _, early = notched(beam(8, BRITTLE), "early", "--drop", "0.3")
     assert early["K_Ic"] == pytest.approx(r["K_Ic"], rel=1e-9) and early["work_of_fracture"] is None and early["G_Ic"] is None
     assert any("give --drop 0.95" in note for note in early["notes"])
+    # E is for the evaluation alone: the same run with another one
+    said, again = notched(beam(8, BRITTLE), "broken", "--drop", "0.95", "--E", "2")
+    assert again["G_Ic"] == pytest.approx(r["G_Ic"] / 2, rel=1e-12) and again["K_Ic"] == r["K_Ic"]
+    said.expect(out="is evaluated")
 
 
 def test_toughness_goes_with_all_limits(work):

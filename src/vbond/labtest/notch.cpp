@@ -8,6 +8,7 @@
 #include <optional>
 #include <variant>
 
+#include "vbond/core/error.hpp"
 #include "vbond/model/bond.hpp"
 
 namespace vbond::labtest {
