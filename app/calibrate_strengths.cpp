@@ -9,6 +9,7 @@
 #include <string>
 #include <system_error>
 #include <utility>
+#include <variant>
 
 #include "calibrate_strengths.hpp"
 #include "campaign.hpp"
@@ -22,6 +23,7 @@
 #include "vbond/core/error.hpp"
 #include "vbond/dynamics/kernel.hpp"
 #include "vbond/labtest/test_body.hpp"
+#include "vbond/labtest/toughness_unit.hpp"
 #include "vbond/observe/files.hpp"
 #include "vbond/run/static_solver.hpp"
 #include "vbond/setup/build.hpp"
@@ -37,15 +39,31 @@ struct Stopped {
   int status;
 };
 
+/// Of --toughness; nothing if it is not given.
+std::optional<double> toughness_of(Arguments& arguments, const std::string& text, UnitSystem units) {
+  if (text.empty()) return std::nullopt;
+  if (units == UnitSystem::reduced)  // a bare number
+    return positive_argument(arguments, "--toughness", text, keys::pure, units);
+  const auto parsed = labtest::parse_toughness(text);
+  if (const auto* mistake = std::get_if<keys::UnitMistake>(&parsed)) {
+    arguments.problem("--toughness", text, mistake->rule, mistake->way_out);
+    return std::nullopt;
+  }
+  const double K = std::get<double>(parsed);
+  if (!(K > 0.0)) arguments.problem("--toughness", text, "must be > 0", "give a positive value");
+  return K;
+}
+
 /// What is asked for, as numbers.
 labtest::StrengthGoal goal_of(const StrengthOptions& o, UnitSystem units) {
   Arguments arguments;
   labtest::StrengthGoal goal;
   goal.asked.tensile = positive_argument(arguments, "--tensile", o.tensile, keys::stress, units);
   goal.asked.compressive = positive_argument(arguments, "--compressive", o.compressive, keys::stress, units);
+  goal.asked.toughness = toughness_of(arguments, o.toughness, units);
   goal.within = arguments.number(o.within, "--within", keys::pure);
   if (goal.within < 1e-4 || goal.within > 0.5)
-    arguments.problem("--within", o.within, "must be from 1e-4 to 0.5, a part of each strength", "e.g. 0.01");
+    arguments.problem("--within", o.within, "must be from 1e-4 to 0.5, a part of each of them", "e.g. 0.01");
   arguments.throw_if_any();
   return goal;
 }
@@ -57,7 +75,9 @@ std::string command_of(const RunOptions& options, const StrengthOptions& o) {
   const auto add = [&text](const char* name, const std::string& value) {
     if (!value.empty()) text += std::string(" ") + name + " " + shell_word(value);
   };
-  add("--tensile", o.tensile), add("--compressive", o.compressive), add("--within", o.within);
+  add("--tensile", o.tensile), add("--compressive", o.compressive), add("--toughness", o.toughness);
+  if (!o.toughness.empty()) add("--notch", o.notch);
+  add("--within", o.within);
   return text;
 }
 
@@ -119,22 +139,53 @@ double excess(const labtest::Inertia& i) {
                    i.ends_differ / Inertia::most_of_ends});
 }
 
-/// Makes both tests with factors. In motion the strain at which a test ends sets its speed: it follows the
+/// How a test of this kind is made: that of a notched beam measures its section and has supports of its own.
+TestOptions options_for(Kind kind, const StrengthOptions& o) {
+  TestOptions test = o.test;
+  test.kind = to_text(kind);
+  if (kind == Kind::bend3) test.notch = o.notch, test.ends = "slide", test.area.clear(), test.depth.clear();
+  return test;
+}
+labtest::Request request_for(Kind kind, const StrengthOptions& o, UnitSystem units) {
+  return requests_of(options_for(kind, o), units).front();
+}
+
+/// Tests that are needed for what is asked for.
+std::vector<Kind> kinds_of(const labtest::Strengths& asked) {
+  std::vector<Kind> kinds;
+  if (asked.tensile) kinds.push_back(Kind::tension);
+  if (asked.compressive) kinds.push_back(Kind::compression);
+  if (asked.toughness) kinds.push_back(Kind::bend3);
+  return kinds;
+}
+std::optional<double>& strength_of(Kind kind, labtest::Strengths& strengths) {
+  if (kind == Kind::tension) return strengths.tensile;
+  return kind == Kind::compression ? strengths.compressive : strengths.toughness;
+}
+
+/// Makes tests with factors. In motion the strain at which a test ends sets its speed: it follows the
 /// strain at the peak. Those that are too fast are made slower.
 class Tests {
  public:
   Tests(Calibrated& all, const Built& built)
-      : all_(all), built_(built), request_(requests_of(all.asked.test, all.c.units).front()) {}
+      : all_(all), built_(built), request_(request_for(Kind::tension, all.asked, all.c.units)) {}
 
-  labtest::StrengthsFound operator()(const labtest::StrengthFactors& factors) {
+  /// A test that was made with these very factors just before is not made again.
+  labtest::StrengthsFound operator()(const labtest::StrengthFactors& factors,
+                                     const labtest::Strengths& asked) {
     ++number_;
-    all_.tests.emplace_back();
     const Case c = with_factors(all_.c, all_.limits, factors);
+    const bool again = !all_.evaluations.empty() &&
+                       all_.evaluations.back().factors.tension == factors.tension &&
+                       all_.evaluations.back().factors.shear == factors.shear;
+    all_.tests.push_back(again ? all_.tests.back() : TestsOfFactors{});
+    all_.tests.back().folders.clear();
     labtest::StrengthsFound found;
-    const labtest::Strengths& asked = all_.goal.asked;
-    if (asked.tensile) found.strengths.tensile = strength(Kind::tension, c, factors, found.why);
-    if (asked.compressive && found.why.empty())
-      found.strengths.compressive = strength(Kind::compression, c, factors, found.why);
+    for (const Kind kind : kinds_of(asked)) {
+      std::optional<double>& to = strength_of(kind, found.strengths);
+      if (again) to = strength_of(kind, all_.evaluations.back().found.strengths);
+      if (!to && found.why.empty()) to = strength(kind, c, factors, found.why);
+    }
     all_.evaluations.push_back({factors, found});
     print_evaluation(all_);
     replace_file(all_.folder / "result.json", strengths_as_json(all_, nullptr));
@@ -147,18 +198,18 @@ class Tests {
                                  std::string& why) {
     // strains go with the strengths of bonds, by whichever limit breaks them
     const double size = std::sqrt(factors.tension * factors.shear);
-    std::optional<double> strain = request_.strain;
+    std::optional<double> strain = request_.strain;  // of a beam it is another one, and only a first guess
     if (!request_.at_rest)
       if (const auto known = strain_.find(kind); known != strain_.end()) strain = known->second * size;
     std::optional<double> before;  // of one that was too fast
     constexpr int tries = 4;
     for (int k = 0; k < tries; ++k) {
       const labtest::TestResult result = run(kind, strain, c, factors, k);
-      (kind == Kind::tension ? all_.tests.back().tension : all_.tests.back().compression) = result;
+      all_.tests.back().of(kind) = result;
       why = why_no_strength(result);
       if (!why.empty()) why = std::string(to_text(kind)) + ": " + why;
       if (result.peak && !request_.at_rest) strain_[kind] = 2.0 * result.peak->strain / size;
-      if (why.empty()) return result.peak->stress;
+      if (why.empty()) return kind == Kind::bend3 ? result.toughness->K_Ic : result.peak->stress;
       if (request_.at_rest) break;
       if (result.peak) {  // too fast
         if (request_.rate) break;
@@ -183,10 +234,8 @@ class Tests {
 
   labtest::TestResult run(Kind kind, std::optional<double> strain, const Case& c,
                           const labtest::StrengthFactors& factors, int again) {
-    TestOptions test = all_.asked.test;
-    test.kind = to_text(kind);
-    labtest::Request request = request_;
-    request.kind = kind;
+    TestOptions test = options_for(kind, all_.asked);
+    labtest::Request request = request_for(kind, all_.asked, c.units);
     if (strain && !request_.at_rest) {
       test.strain = fmt::format("{:.2g}", *strain);
       request.strain = std::strtod(test.strain.c_str(), nullptr);
@@ -241,11 +290,13 @@ class Tests {
   labtest::Request request_;
   int number_ = 0;
   std::map<Kind, double> strain_;  ///< in motion: at the end of a test over the size of its factors
-  std::map<Kind, double> slower_{{Kind::tension, 1.0}, {Kind::compression, 1.0}};  ///< than by default
+  std::map<Kind, double> slower_{
+      {Kind::tension, 1.0}, {Kind::compression, 1.0}, {Kind::bend3, 1.0}};  ///< than by default
 };
 
 /// With failed runs as tests without a strength.
-labtest::StrengthsFound told(Tests& tests, Calibrated& all, const labtest::StrengthFactors& factors) {
+labtest::StrengthsFound told(Tests& tests, Calibrated& all, const labtest::StrengthFactors& factors,
+                             const labtest::Strengths& asked) {
   const auto failed_as = [&](const std::exception& e) {
     labtest::StrengthsFound found;
     const std::string text = e.what();
@@ -256,7 +307,7 @@ labtest::StrengthsFound told(Tests& tests, Calibrated& all, const labtest::Stren
     return found;
   };
   try {
-    return tests(factors);
+    return tests(factors, asked);
   } catch (const NoEquilibrium& e) {
     return failed_as(e);
   } catch (const Diverged& e) {
@@ -285,7 +336,7 @@ int calibrate_strengths(const RunOptions& options, const StrengthOptions& o) {
         Problem{{c.file, 0, 0},
                 "this vbond was built without statics",
                 "a test at rest is a sequence of equilibria",
-                "make both in motion with --motion, or build with VBOND_STATICS=ON: docs/install.md"});
+                "make them in motion with --motion, or build with VBOND_STATICS=ON: docs/install.md"});
   const labtest::StrengthGoal goal = goal_of(asked, c.units);
   const std::vector<BondLimit> limits = limits_of(c);
   Calibrated all{options, asked, c, goal, limits, command_of(options, asked), {}, {}, {}};
@@ -296,12 +347,12 @@ int calibrate_strengths(const RunOptions& options, const StrengthOptions& o) {
   if (const auto note = labtest::left_out(c)) print_notes({*note});
   Tests tests(all, built);
   // what is wrong with the body is told before anything is written
-  for (const Kind kind : {Kind::tension, Kind::compression}) {
-    labtest::Request request = requests_of(asked.test, c.units).front();
-    request.kind = kind;
+  const std::vector<Kind> kinds = kinds_of(goal.asked);
+  for (const Kind kind : kinds) {
+    const labtest::Request request = request_for(kind, asked, c.units);
     const labtest::MadeTest made = labtest::make_test(labtest::body_of(c, built, request), request);
     parse_case(labtest::case_text(c, made, c.title, all.command), all.folder / "test.toml");
-    if (kind == Kind::tension) print_notes(made.notes);
+    if (kind == kinds.front()) print_notes(made.notes);
   }
   std::error_code none;
   const bool is_new = !fs::exists(all.folder / "result.json", none);
@@ -312,7 +363,9 @@ int calibrate_strengths(const RunOptions& options, const StrengthOptions& o) {
     replace_file(all.folder / "result.json", strengths_as_json(all, nullptr));
     print_head(all);
     search = labtest::search_strengths(
-        goal, [&](const labtest::StrengthFactors& factors) { return told(tests, all, factors); });
+        goal, [&](const labtest::StrengthFactors& factors, const labtest::Strengths& which) {
+          return told(tests, all, factors, which);
+        });
     replace_file(all.folder / "result.json", strengths_as_json(all, &search));
   } catch (const Stopped& e) {
     say("stopped: the same command goes on, with the tests that are complete\n", stderr);

@@ -6,15 +6,17 @@
 
 #include "commands.hpp"
 #include "test_command.hpp"
+#include "vbond/labtest/request.hpp"
 #include "vbond/labtest/result.hpp"
 #include "vbond/labtest/search_strengths.hpp"
 
 namespace vbond::app {
 
-/// Of `vbond calibrate CASE --tensile --compressive`, as texts with or without units; empty: not given.
+/// Of `vbond calibrate CASE --tensile --compressive --toughness`, as texts with or without units; empty: not
+/// given.
 struct StrengthOptions {
-  std::string tensile, compressive, within = "0.01";
-  TestOptions test;  ///< how both tests are made; kind aside
+  std::string tensile, compressive, toughness, notch = "50 %", within = "0.01";
+  TestOptions test;  ///< how all tests are made; kind aside
 };
 
 /// What `calibrate`, which has all its other options already, takes for strengths of a case. Returned are
@@ -46,7 +48,8 @@ std::vector<std::string> changes_of(const std::vector<BondLimit>& limits,
 /// Tests that were made with the same factors.
 struct TestsOfFactors {
   std::vector<std::string> folders;  ///< below that of the calibration, in their order
-  std::optional<labtest::TestResult> tension, compression;
+  std::optional<labtest::TestResult> tension, compression, bending;
+  std::optional<labtest::TestResult>& of(labtest::Kind kind);
 };
 
 /// What a calibration tells.

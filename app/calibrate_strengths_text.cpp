@@ -33,6 +33,7 @@ const char* to_text(StrengthSearchEnd end) {
     case StrengthSearchEnd::no_strength: return "no strength";
     case StrengthSearchEnd::out_of_reach: return "out of reach";
     case StrengthSearchEnd::jumps: return "jumps";
+    case StrengthSearchEnd::grains: return "grains";
     case StrengthSearchEnd::no_scaling: return "no scaling";
     case StrengthSearchEnd::given_up: return "given up";
   }
@@ -62,12 +63,13 @@ void print_moduli(const char* test, const std::optional<labtest::TestResult>& re
 
 void print_tested(const Calibrated& all, std::size_t k) {
   const StrengthEvaluation& e = all.evaluations[k];
-  const auto say_one = [&](const char* name, const std::optional<double>& x) {
-    if (x) fmt::print("{} {:.6g}{}\n", name, *x, unit(all.c));
+  const auto say_one = [&](const char* name, const std::optional<double>& x, const char* root = "") {
+    if (x) fmt::print("{} {:.6g}{}{}\n", name, *x, unit(all.c), all.c.units == UnitSystem::si ? root : "");
   };
   fmt::print("\nTested with these:\n");
   say_one("tensile strength", e.found.strengths.tensile);
   say_one("compressive strength", e.found.strengths.compressive);
+  say_one("fracture toughness", e.found.strengths.toughness, " m^0.5");
   if (e.ratio()) fmt::print("ratio {:.4g}\n", *e.ratio());
   print_moduli("tension", all.tests[k].tension, all.c);
   print_moduli("compression", all.tests[k].compression, all.c);
@@ -91,6 +93,22 @@ std::string last_without_strength(const Calibrated& all) {
       return fmt::format("with factors {:.6g} and {:.6g}: {}", all.evaluations[k].factors.tension,
                          all.evaluations[k].factors.shear, all.evaluations[k].found.why);
   return "";
+}
+
+/// Toughness and strength that do not go together in this body, and the grains with which they would.
+std::string failure_by_grains(const Calibrated& all, const StrengthSearch& search) {
+  const labtest::Strengths &asked = all.goal.asked, &found = search.all[*search.nearest].found.strengths;
+  const double by = labtest::larger_grains(asked, found);
+  const char* root = all.c.units == UnitSystem::si ? " Pa m^0.5" : "";
+  const char* name = asked.tensile ? "tensile" : "compressive";
+  return fmt::format(
+      "fracture toughness {:.6g}{} does not go with the {} strength that is asked for: with that this body "
+      "has "
+      "{:.6g}{}\n"
+      "  both go in proportion to the limits of bonds, and toughness over strength goes as the root of the "
+      "grain size\n"
+      "  grains {:.3g} times as large would have it, in a beam so large, too; or ask for one of the two",
+      *asked.toughness, root, name, *found.toughness, root, by);
 }
 
 /// Why the search has not reached what is asked for, and what to do.
@@ -128,6 +146,7 @@ std::string failure_of(const Calibrated& all, const StrengthSearch& search) {
               search.jump->second.factors.shear / search.jump->second.factors.tension,
               *search.jump->first.ratio(), *search.jump->second.ratio(), wanted),
           "bonds break one by one: take a larger --within, or a body of more grains");
+    case StrengthSearchEnd::grains: return failure_by_grains(all, search);
     case StrengthSearchEnd::no_scaling:
       return lines(
           "strengths do not follow the factors to the tolerance that is asked for",
@@ -144,6 +163,11 @@ std::string failure_of(const Calibrated& all, const StrengthSearch& search) {
 }  // namespace
 
 // ---- limits -----------------------------------------------------------------------------------------------
+
+std::optional<labtest::TestResult>& TestsOfFactors::of(labtest::Kind kind) {
+  if (kind == labtest::Kind::tension) return tension;
+  return kind == labtest::Kind::compression ? compression : bending;
+}
 
 double BondLimit::with(const labtest::StrengthFactors& factors) const {
   const double x = given * (in_tension ? factors.tension : factors.shear);
@@ -219,19 +243,23 @@ void print_head(const Calibrated& all) {
   if (asked.tensile) fmt::print("tensile strength {:.6g}{}   ", *asked.tensile, unit(all.c));
   if (asked.compressive) fmt::print("compressive strength {:.6g}{}   ", *asked.compressive, unit(all.c));
   if (asked.tensile && asked.compressive) fmt::print("ratio {:.4g}   ", *asked.compressive / *asked.tensile);
+  if (asked.toughness)
+    fmt::print("fracture toughness {:.6g}{}   ", *asked.toughness,
+               all.c.units == UnitSystem::si ? " Pa m^0.5" : "");
   fmt::print("within {:g}\n", all.goal.within);
   fmt::print("tests {}, in {}\n\n", all.asked.test.motion ? "in motion" : "at rest", all.folder.string());
-  fmt::print("{:>4}  {:>12} {:>12}   {:>13} {:>13} {:>9}\n", "", "tension by", "shear by", "tensile",
-             "compressive", "ratio");
+  fmt::print("{:>4}  {:>12} {:>12}   {:>13} {:>13} {:>9}{}\n", "", "tension by", "shear by", "tensile",
+             "compressive", "ratio", asked.toughness ? "     toughness" : "");
   std::fflush(stdout);
 }
 
 void print_evaluation(const Calibrated& all) {
   const StrengthEvaluation& e = all.evaluations.back();
   const labtest::Strengths& s = e.found.strengths;
-  fmt::print("{:>4}  {:>12.6g} {:>12.6g}   {:>13} {:>13} {:>9}\n", all.evaluations.size(), e.factors.tension,
-             e.factors.shear, cell(s.tensile), cell(s.compressive),
-             e.ratio() ? fmt::format("{:.4g}", *e.ratio()) : "-");
+  fmt::print("{:>4}  {:>12.6g} {:>12.6g}   {:>13} {:>13} {:>9}{}\n", all.evaluations.size(),
+             e.factors.tension, e.factors.shear, cell(s.tensile), cell(s.compressive),
+             e.ratio() ? fmt::format("{:.4g}", *e.ratio()) : "-",
+             all.goal.asked.toughness ? fmt::format(" {:>13}", cell(s.toughness)) : "");
   if (!e.found.why.empty()) fmt::print("      no strength: {}\n", printable(e.found.why));
   std::fflush(stdout);
 }
@@ -262,6 +290,7 @@ std::string strengths_as_json(const Calibrated& all, const StrengthSearch* searc
   j["at_rest"] = !all.asked.test.motion;
   j["asked"] = {{"tensile", or_null(asked.tensile)},
                 {"compressive", or_null(asked.compressive)},
+                {"toughness", or_null(asked.toughness)},
                 {"within", all.goal.within}};
   j["end"] = search != nullptr ? Json(to_text(search->end)) : Json();
   j["tests"] = tests_of(all);
@@ -271,6 +300,7 @@ std::string strengths_as_json(const Calibrated& all, const StrengthSearch* searc
     j["evaluations"].push_back({{"factors", {{"tension", e.factors.tension}, {"shear", e.factors.shear}}},
                                 {"tensile", or_null(e.found.strengths.tensile)},
                                 {"compressive", or_null(e.found.strengths.compressive)},
+                                {"toughness", or_null(e.found.strengths.toughness)},
                                 {"ratio", or_null(e.ratio())},
                                 {"why", e.found.why.empty() ? Json() : Json(e.found.why)},
                                 {"folders", all.tests[k].folders}});

@@ -358,7 +358,9 @@ int dispatch(int argc, char** argv, app::Processes& processes) {
   if (hidden.completion->parsed()) return app::completion(program, hidden.shell);
   if (hidden.manual->parsed())
     return hidden.folder ? app::write_manual(program, *hidden.folder) : app::manual(program, hidden.command);
-  if (calibrate_command->count("--tensile") + calibrate_command->count("--compressive") > 0)
+  if (calibrate_command->count("--tensile") + calibrate_command->count("--compressive") +
+          calibrate_command->count("--toughness") >
+      0)
     return app::calibrate_strengths(run, strengths);
   app::refuse_without_strengths(for_strengths);
   if (!run.case_file.empty() && calibrate_command->count("--nu") == 0) calibrate.nu.clear();

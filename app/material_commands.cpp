@@ -28,7 +28,7 @@ std::pair<Case, Built> body_of(const RunOptions& options) {
                             "bonds are calibrated in a cell that repeats in all three directions",
                             "calibrate a cell of the same grains, and give its bonds to the body: "
                             "docs/cell.md; vbond homogenise says what E and nu the body has now, and "
-                            "--tensile and --compressive are for bodies without a cell"});
+                            "--tensile, --compressive and --toughness are for bodies without a cell"});
   return {std::move(c), std::move(built)};
 }
 

@@ -29,7 +29,7 @@ struct TestOptions {
   std::string kind, axis = "z", across, ends = "slide";
   bool motion = false, frames = false, verbose = false;
   std::vector<std::string> pressures;
-  std::string strain, rate, damping, area, depth, span, drop;
+  std::string strain, rate, damping, area, depth, span, drop, notch, modulus;
 };
 
 /// Options that every test of a body takes which is tension or compression. Returned are all of them.

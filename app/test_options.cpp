@@ -65,7 +65,14 @@ CLI::App* add_test(CLI::App& app, TestOptions& o, RunOptions& run) {
       ->type_name("PRESSURE")
       ->allow_extra_args(false);
   quantity(command, "--span", o.span, "LENGTH",
-           "bend3: between the supports (default: as far as the beam goes)");
+           "bend3: between the supports (default: as far as the beam goes, with --notch 4 heights)");
+  CLI::Option* notch =
+      quantity(command, "--notch", o.notch, "DEPTH",
+               "bend3: bonds across the middle are left out so far from the stretched side, a length or a "
+               "share of the height as \"50 %\": tells K_Ic");
+  quantity(command, "--E", o.modulus, "STRESS",
+           "With --notch: Young's modulus of the body, for the energy release rate K^2/E")
+      ->needs(notch);
   command->add_flag("--frames", o.frames, "Write frames, too, for ParaView and the report page");
   command->add_flag("--verbose", o.verbose, "Print what vbond run prints of the run, too");
   return command;

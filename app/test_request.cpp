@@ -1,3 +1,4 @@
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -53,6 +54,9 @@ class Requested {
     r.depth = positive("--depth", o_.depth, keys::length);
     r.span = positive("--span", o_.span, keys::length);
     if (r.span && r.kind != Kind::bend3) only("--span", o_.span, "bend3");
+    r.notch = notch();
+    if (!o_.notch.empty() && r.kind != Kind::bend3) only("--notch", o_.notch, "bend3");
+    r.modulus = positive("--E", o_.modulus, keys::stress);
     if (!o_.damping.empty()) r.damping = within("--damping", o_.damping, 0.0, true);
     if (!o_.drop.empty()) r.drop = within("--drop", o_.drop, 0.0, false);
     r.frames = o_.frames;
@@ -89,6 +93,18 @@ class Requested {
     }
     return all;
   }
+  /// A share ends with %: a bare number is a length.
+  std::optional<labtest::NotchDepth> notch() {
+    if (!o_.notch.ends_with('%')) {
+      const auto depth = positive("--notch", o_.notch, keys::length);
+      return depth ? std::optional(labtest::NotchDepth{*depth, false}) : std::nullopt;
+    }
+    const double share = arguments_.number(o_.notch, "--notch", keys::pure);
+    if (!(share > 0.0 && share < 1.0) && !std::isnan(share))
+      arguments_.problem("--notch", o_.notch, "must be > 0 % and < 100 % of the height of the beam",
+                         "e.g. \"50 %\"");
+    return labtest::NotchDepth{share, true};
+  }
   static int direction(const std::string& name) { return name == "x" ? 0 : name == "y" ? 1 : 2; }
   void only(const char* option, const std::string& text, const char* kinds) {
     arguments_.problem(option, text, std::string("is for ") + kinds, "leave it out");
@@ -123,6 +139,7 @@ std::vector<labtest::Request> requests_of(const TestOptions& options, UnitSystem
   return Requested(options, units).requests();
 }
 
+// without --E, which changes neither case nor run: the same run can be evaluated with another one
 std::string test_command_of(const RunOptions& options, const TestOptions& o) {
   std::string text = "vbond test " + o.kind + " " + shell_word(options.case_file.filename().string());
   const auto add = [&text](const char* name, const std::string& value) {
@@ -132,7 +149,8 @@ std::string test_command_of(const RunOptions& options, const TestOptions& o) {
   add("--axis", o.axis), add("--across", o.across), add("--ends", o.ends == "slide" ? "" : o.ends);
   if (o.motion) text += " --motion";
   add("--strain", o.strain), add("--drop", o.drop), add("--area", o.area), add("--depth", o.depth);
-  add("--span", o.span), add("--rate", o.rate), add("--damping", o.damping);
+  add("--span", o.span), add("--notch", o.notch);
+  add("--rate", o.rate), add("--damping", o.damping);
   for (const std::string& pressure : o.pressures) add("--pressure", pressure);
   if (o.frames) text += " --frames";
   return text;

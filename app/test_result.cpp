@@ -47,6 +47,8 @@ class Units {
   std::string force(double x) const { return fmt::format("{:.7g}{}", x, si_ ? " N" : ""); }
   std::string length(double x) const { return fmt::format("{:.6g}{}", x, si_ ? " m" : ""); }
   std::string area(double x) const { return fmt::format("{:.6g}{}", x, si_ ? " m^2" : ""); }
+  std::string toughness(double x) const { return fmt::format("{:.7g}{}", x, si_ ? " Pa m^0.5" : ""); }
+  std::string per_area(double x) const { return fmt::format("{:.7g}{}", x, si_ ? " J/m^2" : ""); }
   std::string rate(double x) const { return fmt::format("{:.4g}{}", x, si_ ? " 1/s" : ""); }
 
  private:
@@ -70,6 +72,9 @@ void print_specimen(const labtest::MadeTest& t, const Units& u) {
     line("specimen", fmt::format("along {}{}, section {}, area {}, {} between the middles of its ends", axis,
                                  kind == Kind::shear ? fmt::format(", sheared along {}", along) : "",
                                  t.section->text(), u.area(t.section->area), u.length(t.length)));
+  if (t.notch)
+    line("notch", fmt::format("depth {}, {:.4g} of the height; {} bonds left out, {} stay",
+                              u.length(t.notch->depth), t.notch->share(), t.notch->left_out, t.notch->stay));
   if (kind == Kind::triaxial)
     line("pressure", u.stress(t.request.pressure) +
                          (t.confinement ? fmt::format("   on the sides of the section; {} on the skin",
@@ -79,6 +84,12 @@ void print_specimen(const labtest::MadeTest& t, const Units& u) {
     line("how", "at rest");
   else
     line("how", fmt::format("in motion, {} of strain", u.rate(t.rate)));
+}
+
+void print_toughness(const labtest::Toughness& toughness, const Units& u) {
+  if (toughness.K_Ic) line("fracture toughness K_Ic", u.toughness(*toughness.K_Ic));
+  if (toughness.G_Ic) line("G_Ic = K_Ic^2/E", u.per_area(*toughness.G_Ic));
+  if (toughness.work_of_fracture) line("work of fracture", u.per_area(*toughness.work_of_fracture));
 }
 
 std::string fragments_of(const labtest::TestResult& r) {
@@ -105,9 +116,11 @@ void print_result(const labtest::MadeTest& t, const labtest::TestResult& r, Unit
   if (r.nu)
     line("nu", fmt::format("{:.6g}   along {} {:.6g}, along {} {:.6g}", *r.nu, "xyz"[t.across], *r.nu_across,
                            "xyz"[t.third], *r.nu_third));
+  if (r.toughness) print_toughness(*r.toughness, u);
   if (r.peak) {
-    line(strength_name(kind), fmt::format("{}   at a strain of {:.6g}, a force of {}",
-                                          u.stress(r.peak->stress), r.peak->strain, u.force(r.peak->force)));
+    line(t.notch ? "stress of a whole section" : strength_name(kind),
+         fmt::format("{}   at a strain of {:.6g}, a force of {}", u.stress(r.peak->stress), r.peak->strain,
+                     u.force(r.peak->force)));
   } else if (t.breaks) {
     line("largest stress", fmt::format("{}   at a strain of {:.6g}: no strength, see the notes",
                                        u.stress(r.largest.stress), r.largest.strain + 0.0));
@@ -165,7 +178,7 @@ std::string result_as_json(const labtest::MadeTest& t, const labtest::TestResult
     j["nu_by_direction"] = {{std::string(1, "xyz"[t.across]), *r.nu_across},
                             {std::string(1, "xyz"[t.third]), *r.nu_third}};
   j["stress_before"] = r.stress_before;
-  j["strength"] = r.peak ? Json(r.peak->stress) : Json();
+  j["strength"] = r.peak && !t.notch ? Json(r.peak->stress) : Json();
   j["peak"] = of(r.peak), j["largest"] = of(std::optional(r.largest));
   j["first_break"] = of(r.first_break), j["one_percent_of_breaks"] = of(r.one_percent);
   if (r.first_break_at) {
@@ -176,6 +189,20 @@ std::string result_as_json(const labtest::MadeTest& t, const labtest::TestResult
   }
   j["breaks"] = r.breaks, j["breaks_before_peak"] = r.breaks_before_peak;
   j["fragments"] = or_null(r.fragments), j["largest_fragment"] = or_null(r.largest_fragment);
+  if (t.notch) {
+    const labtest::Notch& n = *t.notch;
+    j["notch"] = {{"depth", n.depth},
+                  {"share", n.share()},
+                  {"plane", n.plane},
+                  {"left_out", n.left_out},
+                  {"stay", n.stay},
+                  {"ligament", n.ligament()},
+                  {"K_per_force", n.toughness_per_force}};
+    const labtest::Toughness told = r.toughness.value_or(labtest::Toughness{});
+    j["notch"]["compliance"] = told.compliance > 0.0 ? Json(told.compliance) : Json();
+    j["K_Ic"] = or_null(told.K_Ic), j["G_Ic"] = or_null(told.G_Ic);
+    j["work_of_fracture"] = or_null(told.work_of_fracture);
+  }
   if (r.inertia)
     j["inertia"] = {{"at_peak", r.inertia->at_peak},
                     {"largest", r.inertia->largest},

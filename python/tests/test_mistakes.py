@@ -55,7 +55,7 @@ mistakes = {
     "a sweep of nothing": (lambda: vbond.sweep(case(), "nowhere", {}), ValueError, "no key to sweep"),
     "an unknown option of a test": (lambda: vbond.laboratory_test(case(), "tension", "nowhere", length=2), ValueError, "length.*axis"),
     "an unknown option of strengths": (lambda: vbond.calibrate_strengths(case(), "nowhere", tensile=1, span=2), ValueError, "span.*axis"),
-    "no strengths to calibrate": (lambda: vbond.calibrate_strengths(case(), "nowhere"), ValueError, "tensile, compressive"),
+    "no strengths to calibrate": (lambda: vbond.calibrate_strengths(case(), "nowhere"), ValueError, "tensile, compressive or toughness"),
     "a fit of nothing": (lambda: vbond.fit(case(), "data.csv", "nowhere.toml", [], "time", {}), ValueError, "vary is a list"),
 }
 

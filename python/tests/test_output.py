@@ -146,6 +146,18 @@ def test_strengths_are_calibrated(tmp_path):
     assert none["end"] == "no strength" and none["nearest"] is None and "no peak" in none["failure"]
 
 
+def test_toughness_of_a_notched_beam(tmp_path):
+    beam = vbond.Case.from_dict({"specimen": [{"kind": "block", "cells": [37, 1, 8], "mass": 1.0, "radius": 0.5}],
+                                 "bonds": [{"distance": 1.1, "theory": "bernoulli-euler", "E": 1.0, "nu": 0.0,
+                                            "section": {"shape": "square", "side": 1.0},
+                                            "strength": {"criterion": "stress", "tension": 1e-4, "shear": 1e-3}}],
+                                 "stage": [{"duration": 1}]})
+    found = vbond.laboratory_test(beam, "bend3", tmp_path / "notched", axis="x", notch="50 %", E=1)
+    assert found["notch"]["depth"] == 4 and found["G_Ic"] == pytest.approx(found["K_Ic"]**2)
+    twice = vbond.calibrate_strengths(beam, tmp_path / "twice", toughness=2 * found["K_Ic"], axis="x")
+    assert twice["end"] == "reached" and twice["evaluations"][-1]["factors"]["tension"] == pytest.approx(2, rel=1e-2)
+
+
 def test_a_fit_is_the_result_as_a_dict(tmp_path):
     examples = Path(__file__).resolve().parents[2] / "examples"
     case = vbond.Case.from_file(examples / "stem_bending.toml")

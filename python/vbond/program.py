@@ -110,8 +110,8 @@ def laboratory_test(case: Case, kind: str, folder: str | os.PathLike, *, pressur
     """Makes a laboratory test of the body of the case, runs it, and returns what result.json has but for the name of the case
     (docs/laboratory-tests.md). kind: "tension", "compression", "brazilian", "triaxial", "bend3" or "shear"; folder: new, holds
     the case of the test and its run; pressures: of triaxial; options: axis, across, ends, strain, drop, area, depth, span,
-    rate, damping, as behind their names on the command line. ProgramError if there is no result."""
-    known = ("axis", "across", "ends", "strain", "drop", "area", "depth", "span", "rate", "damping")
+    notch, E, rate, damping, as behind their names on the command line. ProgramError if there is no result."""
+    known = ("axis", "across", "ends", "strain", "drop", "area", "depth", "span", "notch", "E", "rate", "damping")
     if wrong := sorted(set(options) - set(known)):
         raise ValueError(f"laboratory_test: {wrong[0]!r} is no option; they are {', '.join(known)}")
     words = ["-o", os.fspath(folder)] + ["--motion"] * motion + ["--frames"] * frames
@@ -125,19 +125,21 @@ def laboratory_test(case: Case, kind: str, folder: str | os.PathLike, *, pressur
 
 
 def calibrate_strengths(case: Case, folder: str | os.PathLike, *, tensile: float | str | None = None, compressive: float | str | None = None,
-                        within: float = 0.01, motion: bool = False, threads: int | None = None, quiet: bool = True,
+                        toughness: float | str | None = None, within: float = 0.01, motion: bool = False,
+                        threads: int | None = None, quiet: bool = True,
                         **options: float | str) -> dict[str, Any]:
     """Finds limits of bonds with which the body of the case has these strengths in laboratory tests, and returns what
     result.json has but for the name of the case (docs/material.md). One that has not reached them says so as "end" and
-    "failure". folder: new, holds the tests; within: relative; options: axis, ends, strain, drop, area, depth, rate, damping, as
+    "failure". folder: new, holds the tests; within: relative; options: notch, axis, ends, strain, drop, area, depth, rate, damping, as
     behind their names on the command line. ProgramError if there is no result."""
-    known = ("axis", "ends", "strain", "drop", "area", "depth", "rate", "damping")
+    known = ("notch", "axis", "ends", "strain", "drop", "area", "depth", "rate", "damping")
     if wrong := sorted(set(options) - set(known)):
         raise ValueError(f"calibrate_strengths: {wrong[0]!r} is no option; they are {', '.join(known)}")
-    if tensile is None and compressive is None:
-        raise ValueError("calibrate_strengths: give tensile, compressive or both")
+    if tensile is None and compressive is None and toughness is None:
+        raise ValueError("calibrate_strengths: give tensile, compressive or toughness, or more than one")
     words = ["-o", os.fspath(folder), "--within", str(within)] + ["--motion"] * motion
-    for option, value in [*options.items(), ("tensile", tensile), ("compressive", compressive), ("threads", threads)]:
+    asked = [("tensile", tensile), ("compressive", compressive), ("toughness", toughness)]
+    for option, value in [*options.items(), *asked, ("threads", threads)]:
         words += [] if value is None else [f"--{option}={value}"]
     try:
         with _as_file(case) as file:

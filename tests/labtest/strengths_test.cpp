@@ -31,7 +31,7 @@ struct Made {
   }
   /// Only what is asked for is tested.
   StrengthTests asked(const Strengths& which) const {
-    return [this, which](const StrengthFactors& k) {
+    return [this, which](const StrengthFactors& k, const Strengths&) {
       ++tests;
       StrengthsFound found;
       if (fails(k)) {
@@ -155,9 +155,10 @@ TEST(StrengthSearch, FollowsStrengthsThatDoNotQuiteScale) {
 
 TEST(StrengthSearch, EndsAfterSoManyTests) {
   int k = 0;
-  const StrengthSearch found = search_strengths({{20.0, 140.0}, 1e-9}, [&k](const StrengthFactors& t) {
-    return StrengthsFound{{20.0 * t.tension, 140.0 * t.tension * (1.0 + 1e-7 * (++k % 7 - 3))}, ""};
-  });
+  const StrengthSearch found =
+      search_strengths({{20.0, 140.0}, 1e-9}, [&k](const StrengthFactors& t, const Strengths&) {
+        return StrengthsFound{{20.0 * t.tension, 140.0 * t.tension * (1.0 + 1e-7 * (++k % 7 - 3))}, ""};
+      });
   EXPECT_NE(found.end, StrengthSearchEnd::reached);
   EXPECT_LE(found.all.size(), most_strength_tests);
 }

@@ -16,8 +16,28 @@ std::vector<FirstBreak> breaks_of(const std::filesystem::path& folder) {
   return breaks;
 }
 
+namespace {
+
+/// A crack that does not begin at the notch: its toughness would be that of something else.
+void tell_break_off_notch(const MadeTest& test, const FirstBreak& b, TestResult& result) {
+  constexpr double near = 0.25;  // of the ligament
+  const double along = component(b.place, test.request.axis) - test.notch->plane;
+  const double above = component(b.place, test.direction) - component(test.middle, test.direction) +
+                       0.5 * test.height - test.notch->depth;
+  const double off = std::hypot(along, above);
+  if (off <= near * (test.height - test.notch->depth)) return;
+  result.notes.push_back(
+      fmt::format("the first bond breaks {:.6g} from the tip of the notch: K_Ic is that of the material only "
+                  "if the crack "
+                  "grows from there; make the notch deeper, or particles smaller",
+                  off));
+}
+
+}  // namespace
+
 void tell_break_of_beam(const MadeTest& test, TestResult& result) {
   const FirstBreak& b = *result.first_break_at;
+  if (test.notch) return tell_break_off_notch(test, b, result);
   const Vec3d from = b.place - test.middle;
   const bool in_tension = b.mode != "shear" && b.mode != "torsion" && b.mode != "compression";
   const bool far = test.sign * component(from, test.direction) > 0.0 &&

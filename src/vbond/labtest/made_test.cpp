@@ -238,6 +238,20 @@ RowOfSide row_at(const Body& body, const Side& side, double place) {
   return row;
 }
 
+/// What is to be known of a notched beam.
+void tell_notch(const Notch& notch, const Body& body, MadeTest& test) {
+  test.notes.push_back(fmt::format(
+      "the notch is {:.6g} deep, half of the way from the last bond that is left out to the next "
+      "one; {} bonds are left out, {} stay across its plane; the ligament above it is {:.3g} mean "
+      "bonds high, and K_Ic is that of the material only where it no longer grows with the beam",
+      notch.depth, notch.left_out, notch.stay, (notch.height - notch.depth) / body.spacing));
+  if (body.model.contact.law != ContactLaw::none && body.model.contact.pairs == ContactPairs::unbonded)
+    test.notes.push_back(
+        "particles on both faces of the notch touch as unbonded ones do: where they overlap they push from "
+        "the "
+        "start");
+}
+
 MadeTest bending(const Body& body, const Request& request) {
   MadeTest test;
   test.request = request;
@@ -255,27 +269,32 @@ MadeTest bending(const Body& body, const Request& request) {
   const Side under = side_of(body, "", body.across, false, request),
              top = side_of(body, "", body.across, true, request);
   const double length = body.extent(body.axis), middle = body.middle(body.axis);
-  const double wanted = request.span.value_or(length - 3.0 * body.spacing);
+  const double wanted = request.span.value_or(request.notch ? notched_span * h : length - 3.0 * body.spacing);
   const RowOfSide left = row_at(body, under, middle - 0.5 * wanted),
                   right = row_at(body, under, middle + 0.5 * wanted);
   const RowOfSide load = row_at(body, top, 0.5 * (left.place + right.place));
   const RowOfSide below = row_at(body, under, load.place);
   const double span = right.place - left.place, a = load.place - left.place, b = right.place - load.place;
-  if (request.span && *request.span > length)
-    refuse(body, fmt::format("--span {:.6g}", *request.span),
+  if ((request.span || request.notch) && wanted > length)
+    refuse(body,
+           request.span
+               ? fmt::format("--span {:.6g}", wanted)
+               : fmt::format("the span of a notched beam is {:g} heights, {:.6g}", notched_span, wanted),
            fmt::format("the beam is {:.6g} long along {}", length, name_of_axis(body.axis)),
-           "give a shorter span");
+           request.span ? "give a shorter span"
+                        : "take a longer body, or choose the axis of the beam with --axis");
   if (span < 3.0 * h)
     refuse(body, fmt::format("the span is {:.6g}, the beam {:.6g} high", span, h),
            "below a span of three heights a body is no beam, and its formulas mean nothing",
            "choose the axis of the beam with --axis and the load's with --across, or take a longer body");
   test.section = section, test.length = span, test.height = h;
-  test.way = "test_below";
+  test.way = request.notch ? test.upper : "test_below";  // the work of the load goes with its own way
   test.direction = body.across, test.sign = -1.0;
   // under a force F at a and b from the supports: stress F a b c / (S I), deflection there F a^2 b^2 / (3 E I
   // S)
   test.stress_per_force = a * b * c / (span * I);
   test.strain_per_way = 3.0 * c / (a * b);
+  if (request.notch) test.notch = notch_of(body, request, section, {left.place, right.place, load.place});
   set_progress(body, test);
 
   TestText text(body);
@@ -283,8 +302,10 @@ MadeTest bending(const Body& body, const Request& request) {
   text.box("test_left", left.low, left.high), text.box("test_right", right.low, right.high);
   text.both(test.lower, "test_left", "test_right");
   text.box(test.upper, load.low, load.high);
-  text.comment("the underside below the load, whose way is the deflection");
-  text.box(test.way, below.low, below.high);
+  if (!test.notch) {
+    text.comment("the underside below the load, whose way is the deflection");
+    text.box(test.way, below.low, below.high);
+  }
   text.hold({test.lower, {body.across}, {}});
   text.hold({test.upper, {body.across}, along(body.across, test.sign / test.strain_per_way)});
   std::vector<ParticleId> supports = left.particles;
@@ -293,7 +314,13 @@ MadeTest bending(const Body& body, const Request& request) {
   const std::vector<PointHold> more = held_along(load.particles, body.across);
   held.insert(held.end(), more.begin(), more.end());
   hold_the_body(body, text, std::move(held), supports, load.particles);
-  test.text = text.text(test, {test.lower, test.upper, test.way}, 0.0);
+  std::vector<std::string> ways{test.lower, test.upper};
+  if (!test.notch) ways.push_back(test.way);
+  test.text = text.text(test, ways, 0.0);
+  if (test.notch) {
+    tell_notch(*test.notch, body, test);
+    return test;
+  }
   test.notes.push_back(fmt::format(
       "span over height is {:.3g}; shear makes E of the formula for slender beams too small, for "
       "nu = 0.25 by {:.2g} of it; supports are rows of {} and {} particles, the load is one of {}: "

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "vbond/labtest/notch.hpp"
 #include "vbond/labtest/test_body.hpp"
 
 namespace vbond::labtest {
@@ -35,6 +36,7 @@ struct MadeTest {
   double strain_per_way = 0;       ///< [1/length]
   std::optional<Gauge> gauge;
   std::optional<Section> section;          ///< normal to the axis; not of a disc
+  std::optional<Notch> notch;              ///< bend3
   std::optional<Confinement> confinement;  ///< triaxial with a pressure > 0
   double length = 0;                       ///< between the ends; bend3: span; brazilian: diameter
   double height = 0;                       ///< bend3: of the beam; shear: width across; brazilian: thickness

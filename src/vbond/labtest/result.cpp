@@ -11,89 +11,11 @@
 
 #include "vbond/core/error.hpp"
 #include "vbond/labtest/broken_bonds.hpp"
-#include "vbond/labtest/table.hpp"
+#include "vbond/labtest/rows.hpp"
 #include "vbond/observe/files.hpp"
 
 namespace vbond::labtest {
 namespace {
-
-/// One row of the history.
-struct Row {
-  std::int64_t step = 0;
-  int stage = 0;  ///< of a test at rest, from 0
-  CurvePoint at;
-  double off_balance = 0;     ///< sum of the forces on both ends  [force]
-  std::vector<double> gauge;  ///< strains of the gauge, as the test names them; empty: none
-  double kinetic = 0, work = 0;
-  std::int64_t broken = 0;
-  std::optional<double> fragments, largest_fragment;
-};
-
-/// The extension of a fibre that has this Green strain.
-double engineering(double green) {
-  return 2.0 * green / (std::sqrt(1.0 + 2.0 * green) + 1.0);
-}
-
-/// The first row of the test itself: at rest and under pressure the last one of the stage before it.
-std::size_t begin_of(const MadeTest& test, const std::vector<Row>& rows) {
-  std::size_t k = 0;
-  if (!test.request.at_rest && !test.confinement) return k;
-  while (k + 1 < rows.size() && rows[k + 1].stage == 0) ++k;
-  return k;
-}
-
-/// Of a triaxial test: strain and work count from where the pressure is on. What it has done before is no
-/// part of the curve.
-void count_from_confined(const MadeTest& test, std::vector<Row>& rows) {
-  const double offset = test.confinement->axial - test.request.pressure;
-  const std::size_t confined = begin_of(test, rows);
-  const double strain = rows[confined].at.strain, work = rows[confined].work;
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    rows[k].at.strain -= strain, rows[k].work -= work;
-    if (k < confined)
-      rows[k].at = {0, 0, 0};
-    else
-      rows[k].at.stress += offset;  // the ends bear the pressure on the area of the skin, beside their force
-  }
-}
-
-std::vector<Row> read_rows(const MadeTest& test, const std::filesystem::path& file) {
-  Table table(file);
-  const std::string k(1, "xyz"[test.direction]);
-  std::vector<Row> rows;
-  double last_factor = 0;
-  while (table.next()) {
-    Row row;
-    row.step = static_cast<std::int64_t>(table.number("step"));
-    if (const auto factor = table.find("load_factor")) {
-      row.stage = rows.empty() ? 0 : rows.back().stage + (*factor < last_factor ? 1 : 0);
-      last_factor = *factor;
-    } else if (test.confining > 0.0) {
-      row.stage = table.number("time") > test.confining * (1.0 + 1e-9) ? 1 : 0;
-    }
-    const double on_upper = test.sign * table.number("reaction." + test.upper + ".f" + k),
-                 on_lower = test.sign * table.number("reaction." + test.lower + ".f" + k);
-    const double force =
-        0.5 * (on_upper - on_lower);  // in motion they differ, and the middle bears their mean
-    const double way = test.sign * (table.number("displacement." + test.way + "." + k) -
-                                    table.number("displacement." + test.lower + "." + k));
-    row.at = {force * test.stress_per_force, way * test.strain_per_way, force};
-    row.off_balance = on_upper + on_lower;
-    if (test.gauge)
-      for (const std::string& component : test.gauge->columns)
-        if (const auto green = table.find("strain." + test.gauge->group + "." + component))
-          row.gauge.push_back(test.sign *
-                              (test.request.kind == Kind::shear ? 2.0 * *green : engineering(*green)));
-    row.kinetic = table.number("kinetic_translation") + table.number("kinetic_rotation");
-    row.work = table.number("work_supports");
-    row.broken = static_cast<std::int64_t>(table.find("broken").value_or(0.0));
-    row.fragments = table.find("fragments"), row.largest_fragment = table.find("largest_fragment");
-    rows.push_back(std::move(row));
-  }
-  if (rows.empty()) throw IoError(file.string() + ": it has no rows");
-  if (test.confinement) count_from_confined(test, rows);
-  return rows;
-}
 
 /// Slope of y over x by least squares. Nothing without two different x.
 template <class X, class Y>
@@ -179,6 +101,11 @@ void find_elastic(const MadeTest& test, const std::vector<Row>& rows, std::size_
   }
   if (used.size() < 2) return result.notes.push_back("the run ended before the elastic stage: no modulus");
   find_moduli(test, used, result);
+  if (!test.notch) return;
+  result.toughness = Toughness{};
+  if (const auto E =
+          std::exchange(result.modulus, std::nullopt))  // of a whole beam: it says no more than this
+    result.toughness->compliance = test.stress_per_force / (test.strain_per_way * *E);
 }
 
 /// The last row before so many bonds have broken: at rest just where the break began.
@@ -277,6 +204,23 @@ void find_peak(const MadeTest& test, const std::vector<Row>& rows, std::size_t p
                            test.end_strain, test.request.drop, result.breaks == 0 ? "; no bond broke" : ""));
 }
 
+/// Of a notched beam, once its peak is known.
+void find_toughness(const MadeTest& test, const std::vector<Row>& rows, std::size_t begin,
+                    TestResult& result) {
+  Toughness& t = *result.toughness;
+  if (!result.peak) return;
+  t.K_Ic = result.peak->force * test.notch->toughness_per_force;
+  if (test.request.modulus) t.G_Ic = sq(*t.K_Ic) / *test.request.modulus;
+  if (!test.request.at_rest) return;  // what waves and damping take is no work of fracture
+  const double left = rows.back().at.force / result.peak->force;
+  if (left > force_gone) return result.notes.push_back(no_work_of_fracture(left));
+  double work = 0;  // at rest history.csv has none of supports; between two rows the body is elastic
+  for (std::size_t k = begin; k + 1 < rows.size(); ++k)
+    work += 0.5 * (rows[k].at.force + rows[k + 1].at.force) * (rows[k + 1].at.strain - rows[k].at.strain) /
+            test.strain_per_way;
+  t.work_of_fracture = work / test.notch->ligament();
+}
+
 /// Until the peak. If bonds break from the row before it on, that is the last: what they set free is no fault
 /// of the rate.
 Inertia inertia_of(const std::vector<Row>& rows, std::size_t peak) {
@@ -362,6 +306,7 @@ TestResult result_of(const MadeTest& test, const std::filesystem::path& folder) 
   find_peak(test, rows, peak, result);
   if (result.peak && ended_too_soon(test, rows, begin, peak, result))
     result.peak.reset(), result.modulus.reset(), result.modulus_by_ends.reset(), result.nu.reset();
+  if (result.toughness) find_toughness(test, rows, begin, result);
   tell_stress_before(test, result);
   result.fragments = rows.back().fragments, result.largest_fragment = rows.back().largest_fragment;
   if (!test.request.at_rest) {

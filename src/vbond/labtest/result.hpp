@@ -41,6 +41,14 @@ struct Splitting {
   double in_tension = 0;         ///< part of the breaks
 };
 
+/// What a notched beam tells.
+struct Toughness {
+  double compliance = 0;       ///< way of the load over its force, before any bond breaks  [length/force]
+  std::optional<double> K_Ic;  ///< at the peak  [force/length^1.5]
+  std::optional<double> G_Ic;  ///< K_Ic^2/E, if E was given  [force/length]
+  /// Work of the load over the ligament, if the test went on until hardly any force was left.  [force/length]
+  std::optional<double> work_of_fracture;
+};
 /// What a test says. Absent: it does not tell; `notes` says why.
 struct TestResult {
   /// E, or G of shear, by the strain of the gauge; bend3: E of the formula for slender beams.
@@ -59,6 +67,7 @@ struct TestResult {
   std::optional<Inertia> inertia;                     ///< in motion
   std::optional<FirstBreak> first_break_at;
   std::optional<Splitting> splitting;  ///< brazilian
+  std::optional<Toughness> toughness;  ///< bend3 with a notch
   std::string ended;                   ///< how the last stage ended, as in run.json
   std::string no_peak;                 ///< why there is none, which is one of the notes; empty: there is
   std::vector<std::string> notes;      ///< what is to be known, a line each

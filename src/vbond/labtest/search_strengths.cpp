@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <stdexcept>
@@ -13,12 +14,13 @@ namespace {
 
 /// Logarithms of strengths over the factor of tension, at one factor of shear over tension.
 struct Scaled {
-  double tensile = 0, compressive = 0;
+  double tensile = 0, compressive = 0, toughness = 0;
   double miss = 0;  ///< of their ratio over the one that is asked for; one strength alone: 0
 };
 
 bool has_all(const Strengths& asked, const Strengths& found) {
-  return (!asked.tensile || found.tensile) && (!asked.compressive || found.compressive);
+  return (!asked.tensile || found.tensile) && (!asked.compressive || found.compressive) &&
+         (!asked.toughness || found.toughness);
 }
 
 class Search {
@@ -54,6 +56,7 @@ class Search {
     double sum = 0.0;
     if (goal_.asked.tensile) sum += std::log(*goal_.asked.tensile) - at(&Scaled::tensile);
     if (goal_.asked.compressive) sum += std::log(*goal_.asked.compressive) - at(&Scaled::compressive);
+    if (goal_.asked.toughness) sum += std::log(*goal_.asked.toughness) - at(&Scaled::toughness);
     const double t = std::exp(both_ ? 0.5 * sum : sum);
     return {t, t * std::exp(x)};
   }
@@ -65,7 +68,7 @@ class Search {
     for (int k = 0; k < tries; ++k) {
       if (spent()) return 0.0;
       const StrengthFactors factors = factors_at(x);
-      found_.all.push_back({factors, tests_(factors)});
+      found_.all.push_back({factors, tests_(factors, goal_.asked)});
       const StrengthEvaluation& e = found_.all.back();
       if (!has_all(goal_.asked, e.found.strengths)) return miss;
       tell_ratio(e);
@@ -85,6 +88,7 @@ class Search {
     Scaled to;
     if (s.tensile) to.tensile = std::log(*s.tensile / e.factors.tension);
     if (s.compressive) to.compressive = std::log(*s.compressive / e.factors.tension);
+    if (s.toughness) to.toughness = std::log(*s.toughness / e.factors.tension);
     if (both_) to.miss = std::log(*e.ratio() / (*goal_.asked.compressive / *goal_.asked.tensile));
     return to;
   }
@@ -192,9 +196,10 @@ class Search {
       const StrengthEvaluation& e = found_.all[k];
       const Strengths& s = e.found.strengths;
       if (!has_all(goal_.asked, s)) continue;
-      const double off = both_                 ? scaled(e).miss
-                         : goal_.asked.tensile ? std::log(*s.tensile / *goal_.asked.tensile)
-                                               : std::log(*s.compressive / *goal_.asked.compressive);
+      const double off = both_                     ? scaled(e).miss
+                         : goal_.asked.tensile     ? std::log(*s.tensile / *goal_.asked.tensile)
+                         : goal_.asked.compressive ? std::log(*s.compressive / *goal_.asked.compressive)
+                                                   : std::log(*s.toughness / *goal_.asked.toughness);
       if (!found_.nearest || std::abs(off) < least) found_.nearest = k, least = std::abs(off);
     }
   }
@@ -210,22 +215,65 @@ class Search {
   StrengthSearch found_;
 };
 
+/// What has been found of the strengths, judged by the toughness as well.
+StrengthSearch with_toughness(const StrengthGoal& goal, const StrengthTests& tests, StrengthSearch search) {
+  if (search.end != StrengthSearchEnd::reached) return search;
+  StrengthFactors factors = search.all[*search.nearest].factors;
+  const auto reached = [&] {
+    search.nearest = search.all.size();
+    search.all.push_back({factors, tests(factors, goal.asked)});
+    const Strengths& found = search.all.back().found.strengths;
+    if (!has_all(goal.asked, found)) search.end = StrengthSearchEnd::no_strength, search.nearest.reset();
+    return !search.nearest || meets(goal, found);
+  };
+  if (reached()) return search;
+  // by similarity each would be met by common factors in an interval: is there one in all of them?
+  double least = 0.0, most = std::numeric_limits<double>::infinity();
+  const Strengths found = search.all.back().found.strengths;
+  for (const auto of : {&Strengths::tensile, &Strengths::compressive, &Strengths::toughness})
+    if (goal.asked.*of) {
+      least = std::max(least, *(goal.asked.*of) * (1.0 - goal.within) / *(found.*of));
+      most = std::min(most, *(goal.asked.*of) * (1.0 + goal.within) / *(found.*of));
+    }
+  search.end = StrengthSearchEnd::grains;
+  if (least > most) return search;
+  const double by = std::sqrt(least * most);
+  factors = {by * factors.tension, by * factors.shear};
+  if (reached())
+    search.end = search.nearest ? StrengthSearchEnd::reached : StrengthSearchEnd::no_strength;
+  else
+    search.end = StrengthSearchEnd::no_scaling;
+  return search;
+}
+
 }  // namespace
+
+double larger_grains(const Strengths& asked, const Strengths& found) {
+  const auto of = asked.tensile ? &Strengths::tensile : &Strengths::compressive;
+  const double by = *asked.toughness / *(asked.*of) / (*found.toughness / *(found.*of));
+  return by * by;
+}
 
 bool meets(const StrengthGoal& goal, const Strengths& found) {
   const auto meets_one = [&](const std::optional<double>& asked, const std::optional<double>& x) {
     return !asked || (x && std::abs(*x / *asked - 1.0) <= goal.within);
   };
-  return meets_one(goal.asked.tensile, found.tensile) && meets_one(goal.asked.compressive, found.compressive);
+  return meets_one(goal.asked.tensile, found.tensile) &&
+         meets_one(goal.asked.compressive, found.compressive) &&
+         meets_one(goal.asked.toughness, found.toughness);
 }
 
 StrengthSearch search_strengths(const StrengthGoal& goal, const StrengthTests& tests) {
   const auto positive = [](double x) { return x > 0.0 && std::isfinite(x); };
   const Strengths& asked = goal.asked;
-  if ((!asked.tensile && !asked.compressive) || !positive(asked.tensile.value_or(1.0)) ||
-      !positive(asked.compressive.value_or(1.0)) || !positive(goal.within))
+  if ((!asked.tensile && !asked.compressive && !asked.toughness) || !positive(asked.tensile.value_or(1.0)) ||
+      !positive(asked.compressive.value_or(1.0)) || !positive(asked.toughness.value_or(1.0)) ||
+      !positive(goal.within))
     throw std::invalid_argument("strengths that are asked for, and the tolerance, must be positive");
-  return Search(goal, tests).run();
+  if (!asked.toughness || (!asked.tensile && !asked.compressive)) return Search(goal, tests).run();
+  StrengthGoal strengths = goal;
+  strengths.asked.toughness.reset();
+  return with_toughness(goal, tests, Search(strengths, tests).run());
 }
 
 }  // namespace vbond::labtest

@@ -15,9 +15,11 @@ struct StrengthFactors {
   double tension = 1, shear = 1;
 };
 
-/// Strengths of a body in tension and compression, > 0.  [force/length^2]
+/// Strengths of a body in tension and compression, > 0  [force/length^2], and its fracture toughness, > 0
+/// [force/length^1.5].
 struct Strengths {
   std::optional<double> tensile, compressive;
+  std::optional<double> toughness = {};
 };
 
 /// What the tests of a body say. A strength that was asked for is absent if there is none, and `why` says so.
@@ -26,11 +28,11 @@ struct StrengthsFound {
   std::string why;
 };
 
-/// Tests a body with these factors: for each strength that is asked for, a test.
-using StrengthTests = std::function<StrengthsFound(const StrengthFactors&)>;
+/// Tests a body with these factors: for each strength that has a number in `asked`, a test.
+using StrengthTests = std::function<StrengthsFound(const StrengthFactors&, const Strengths& asked)>;
 
 struct StrengthGoal {
-  Strengths asked;       ///< one or both
+  Strengths asked;       ///< one or more
   double within = 0.01;  ///< of each, relative, > 0
 };
 
@@ -51,6 +53,7 @@ enum class StrengthSearchEnd : std::uint8_t {
   no_strength,   ///< the body as it is has none: nothing to begin with
   out_of_reach,  ///< no ratio of factors that was looked at gives the ratio of the strengths
   jumps,         ///< from one ratio of factors to the next the strengths jump over those asked for
+  grains,        ///< toughness over strength is another one, and no limits change that
   no_scaling,    ///< strengths do not follow the factors: the strains are large
   given_up       ///< after `most_strength_tests` evaluations
 };
@@ -70,6 +73,12 @@ struct StrengthSearch {
 inline constexpr int most_doublings = 6;
 inline constexpr std::size_t most_strength_tests = 60;
 
+/// By what factor grains are to be larger for the toughness asked for over the strength asked for: the square
+/// of that ratio over the one found, since a packing has K = s sqrt(pi alpha R) with its strength s and radii
+/// R. Of the tensile strength, or of the compressive one if that alone was asked for. All of `asked` must be
+/// found.
+double larger_grains(const Strengths& asked, const Strengths& found);
+
 /// Whether the tests found what is asked for.
 bool meets(const StrengthGoal& goal, const Strengths& found);
 
@@ -81,6 +90,10 @@ bool meets(const StrengthGoal& goal, const Strengths& found);
 /// one strength asked for s stays 1. With both s is doubled, or halved, until C/T is bracketed; one direction
 /// ends after most_doublings, without a strength, or once two steps in a row have changed C/T by less than
 /// 1 %, or have led away. Then the other is looked at, too. Within the bracket see crossing().
+///
+/// Toughness goes with a common factor as strengths do. With it alone s stays 1. With strengths, these are
+/// found first; then the toughness is tested, and all are met by one more common factor, or cannot be:
+/// `grains`.
 ///
 /// Throws std::invalid_argument if nothing is asked for, or if a number is not positive.
 StrengthSearch search_strengths(const StrengthGoal& goal, const StrengthTests& tests);

@@ -113,7 +113,7 @@ void refuse(const Body& body, const std::string& what, const std::string& rule, 
 Body body_of(const Case& c, const Built& built, const Request& request) {
   refuse_what_no_test_takes(c, built);
   refuse_parts(c, built);
-  Body body{.model = built.model, .state = built.state, .file = c.file, .box = {}};
+  Body body{.c = c, .model = built.model, .state = built.state, .file = c.file, .box = {}};
   body.axis = request.axis;
   body.across = request.across.value_or(body.axis == 2 ? 0 : 2);
   body.third = 3 - body.axis - body.across;

@@ -15,6 +15,7 @@ namespace vbond::labtest {
 
 /// The body of a case, and how the test lies in it.
 struct Body {
+  const Case& c;
   const Model& model;
   const State& state;
   std::string file;       ///< of the case, for messages

@@ -187,6 +187,7 @@ std::string case_text(const Case& c, const MadeTest& test, const std::string& ti
   body.title = title;
   body.stages.clear(), body.walls.clear(), body.velocities.clear();
   body.output = {};
+  if (test.notch) leave_out(*test.notch, body);
   std::string text = to_toml(body);
   // the writer gives every section, output as well: it is that of the test
   const std::string output = "\n[output]\n";

@@ -1,0 +1,80 @@
+#include "vbond/labtest/rows.hpp"
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "vbond/core/error.hpp"
+#include "vbond/labtest/table.hpp"
+
+namespace vbond::labtest {
+namespace {
+
+/// The extension of a fibre that has this Green strain.
+double engineering(double green) {
+  return 2.0 * green / (std::sqrt(1.0 + 2.0 * green) + 1.0);
+}
+
+/// Of a triaxial test: strain and work count from where the pressure is on. What it has done before is no
+/// part of the curve.
+void count_from_confined(const MadeTest& test, std::vector<Row>& rows) {
+  const double offset = test.confinement->axial - test.request.pressure;
+  const std::size_t confined = begin_of(test, rows);
+  const double strain = rows[confined].at.strain, work = rows[confined].work;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    rows[k].at.strain -= strain, rows[k].work -= work;
+    if (k < confined)
+      rows[k].at = {0, 0, 0};
+    else
+      rows[k].at.stress += offset;  // the ends bear the pressure on the area of the skin, beside their force
+  }
+}
+
+}  // namespace
+
+std::size_t begin_of(const MadeTest& test, const std::vector<Row>& rows) {
+  std::size_t k = 0;
+  if (!test.request.at_rest && !test.confinement) return k;
+  while (k + 1 < rows.size() && rows[k + 1].stage == 0) ++k;
+  return k;
+}
+
+std::vector<Row> read_rows(const MadeTest& test, const std::filesystem::path& file) {
+  Table table(file);
+  const std::string k(1, "xyz"[test.direction]);
+  std::vector<Row> rows;
+  double last_factor = 0;
+  while (table.next()) {
+    Row row;
+    row.step = static_cast<std::int64_t>(table.number("step"));
+    if (const auto factor = table.find("load_factor")) {
+      row.stage = rows.empty() ? 0 : rows.back().stage + (*factor < last_factor ? 1 : 0);
+      last_factor = *factor;
+    } else if (test.confining > 0.0) {
+      row.stage = table.number("time") > test.confining * (1.0 + 1e-9) ? 1 : 0;
+    }
+    const double on_upper = test.sign * table.number("reaction." + test.upper + ".f" + k),
+                 on_lower = test.sign * table.number("reaction." + test.lower + ".f" + k);
+    const double force =
+        0.5 * (on_upper - on_lower);  // in motion they differ, and the middle bears their mean
+    const double way = test.sign * (table.number("displacement." + test.way + "." + k) -
+                                    table.number("displacement." + test.lower + "." + k));
+    row.at = {force * test.stress_per_force, way * test.strain_per_way, force};
+    row.off_balance = on_upper + on_lower;
+    if (test.gauge)
+      for (const std::string& component : test.gauge->columns)
+        if (const auto green = table.find("strain." + test.gauge->group + "." + component))
+          row.gauge.push_back(test.sign *
+                              (test.request.kind == Kind::shear ? 2.0 * *green : engineering(*green)));
+    row.kinetic = table.number("kinetic_translation") + table.number("kinetic_rotation");
+    row.work = table.number("work_supports");
+    row.broken = static_cast<std::int64_t>(table.find("broken").value_or(0.0));
+    row.fragments = table.find("fragments"), row.largest_fragment = table.find("largest_fragment");
+    rows.push_back(std::move(row));
+  }
+  if (rows.empty()) throw IoError(file.string() + ": it has no rows");
+  if (test.confinement) count_from_confined(test, rows);
+  return rows;
+}
+
+}  // namespace vbond::labtest
