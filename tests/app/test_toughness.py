@@ -60,8 +60,7 @@ def energy_over_formula(n):
 
 def test_formula_and_depth_are_those_of_the_energy(work):
     # A lattice is a continuum to the order of spacing over depth: errors are 0.106, 0.049, 0.019 and 0.003 with 8, 16, 32 and 64
-    # rows. They tend to -0.013: finite elements (Q8, grids of 16 to 64, extrapolated) give -0.014 at half of the height, so that the
-    # formula is 0.7 % above. The next order is 0.4/n of the error: 0.006 of what 8 and 16 rows tend to. A depth that is off by
+    # rows. They tend to -0.013, so that the formula is 0.7 % above at half of the height. The next order is 0.4/n of the error: 0.006 of what 8 and 16 rows tend to. A depth that is off by
     # half a bond would be 17 % of G with 16 rows.
     coarse, fine = energy_over_formula(8) - 1, energy_over_formula(16) - 1
     assert 0 < fine < 0.9 / 16 and 1.8 < coarse / fine < 2.4  # first order

@@ -23,10 +23,14 @@ constexpr double slowness = 0.004;
 void set_progress(const Body& body, MadeTest& test) {
   const Request& r = test.request;
   test.breaks = body.can_break;
+  test.gives_way = body.gives_way;
   test.middle = 0.5 * (body.box.low + body.box.high);
   test.across = body.across, test.third = body.third;
   test.end_strain = r.strain.value_or(body.can_break ? default_strain : elastic_strain);
   if (r.at_rest) return;
+  if (body.creeps)
+    test.notes.push_back(
+        "bonds creep: E and strength are those of this rate of strain, and others of another --rate");
   if (!r.strain && !body.can_break) test.end_strain = 1e-4;
   const double speed = slowness * test.end_strain * body.wave_speed;
   test.rate = r.rate.value_or(speed * test.strain_per_way);

@@ -46,6 +46,7 @@ struct MadeTest {
   double confining = 0;                    ///< in motion: how long the pressure comes on before  [time]
   double rate = 0, duration = 0;           ///< in motion
   bool breaks = false;                     ///< bonds have strengths
+  bool gives_way = false;                  ///< bonds soften, or their stretching is no straight line
   std::vector<std::string> notes;          ///< what is to be known of this test, a line each
 };
 

@@ -18,7 +18,7 @@ inline constexpr double least_notch = 0.2, deepest_notch = 0.8;
 
 /// k in K = s sqrt(W) k(a/W) of a beam of height W with an edge crack of depth a, in bending by three points
 /// with a span of 4 W; s is the stress that the moment at the crack brings to the outer fibre of the whole
-/// section. alpha = a/W, from 0 to 1. Srawley (1976), which ASTM E399 and ISO 12135 have: to 0.5 % of k from
+/// section. alpha = a/W, from 0 to 1. Srawley (1976), which ASTM E399 and ISO 12135 have: to 0.7 % of k from
 /// 0.2 to 0.8.
 double notched_beam_shape(double alpha);
 

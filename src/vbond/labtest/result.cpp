@@ -11,102 +11,12 @@
 
 #include "vbond/core/error.hpp"
 #include "vbond/labtest/broken_bonds.hpp"
+#include "vbond/labtest/moduli.hpp"
 #include "vbond/labtest/rows.hpp"
 #include "vbond/observe/files.hpp"
 
 namespace vbond::labtest {
 namespace {
-
-/// Slope of y over x by least squares. Nothing without two different x.
-template <class X, class Y>
-std::optional<double> slope(const std::vector<const Row*>& rows, X&& x, Y&& y) {
-  double mx = 0, my = 0, xx = 0, xy = 0;
-  for (const Row* r : rows) mx += x(*r), my += y(*r);
-  mx /= static_cast<double>(rows.size()), my /= static_cast<double>(rows.size());
-  for (const Row* r : rows) xx += (x(*r) - mx) * (x(*r) - mx), xy += (x(*r) - mx) * (y(*r) - my);
-  if (!(xx > 0.0)) return std::nullopt;
-  return xy / xx;
-}
-
-/// Moduli and Poisson's ratios from these rows: of two rows their secant.
-void find_moduli(const MadeTest& test, const std::vector<const Row*>& rows, TestResult& result) {
-  const auto stress = [](const Row& r) { return r.at.stress; };
-  result.modulus_by_ends = slope(
-      rows, [](const Row& r) { return r.at.strain; }, stress);
-  if (test.request.kind == Kind::brazilian) {
-    result.modulus_by_ends.reset();
-    return;
-  }
-  if (!test.gauge) {
-    result.modulus = std::exchange(result.modulus_by_ends, std::nullopt);
-    return;
-  }
-  const std::size_t columns = test.gauge->columns.size();
-  if (std::any_of(rows.begin(), rows.end(), [&](const Row* r) { return r->gauge.size() < columns; })) {
-    result.notes.push_back("the middle of the body has no strain: its particles lie in one plane");
-    return;
-  }
-  const auto axial = [](const Row& r) { return r.gauge[0]; };
-  result.modulus = slope(rows, axial, stress);
-  if (columns < 3) return;
-  const auto ratio = [&](std::size_t k) -> std::optional<double> {
-    const auto s = slope(rows, axial, [k](const Row& r) { return r.gauge[k]; });
-    if (!s) return s;
-    return 0.0 - *s;  // never -0
-  };
-  result.nu_across = ratio(1), result.nu_third = ratio(2);
-  if (result.nu_across && result.nu_third) result.nu = 0.5 * (*result.nu_across + *result.nu_third);
-}
-
-/// Tells where E and nu are those of a body that has cracked already.
-void tell_cracks_behind(const std::vector<Row>& rows, const Row& last, std::size_t peak, TestResult& result) {
-  constexpr double many = 0.05;
-  const auto broken = [&rows](const Row& r) { return r.broken - rows.front().broken; };
-  const double part =
-      static_cast<double>(broken(last)) / static_cast<double>(std::max<std::int64_t>(1, broken(rows[peak])));
-  if (part <= many) return;
-  const auto first = std::find_if(rows.begin(), rows.end(), [&](const Row& r) { return broken(r) > 0; });
-  result.notes.push_back(fmt::format(
-      "E and nu are slopes of a body that cracks: {:.2g} of the breaks before the peak come before half of "
-      "it; "
-      "for elastic constants end the test before the first break (--strain {:.2g}), or test at rest",
-      part, 0.9 * first->at.strain));
-}
-
-/// At rest from the stage "elastic"; in motion from rows between a tenth and half of the peak, before which
-/// the platens begin to move, and beyond which bonds break.
-void find_elastic(const MadeTest& test, const std::vector<Row>& rows, std::size_t peak, TestResult& result) {
-  std::vector<const Row*> used;
-  if (test.request.at_rest) {
-    for (std::size_t k = 0; k < rows.size(); ++k)
-      if (rows[k].stage == 1 && (k == 0 || rows[k - 1].stage == 0)) used.push_back(&rows[k]);
-    for (std::size_t k = rows.size(); k-- > 0;)
-      if (rows[k].stage == 1) {
-        used.push_back(&rows[k]);
-        break;
-      }
-    result.stress_before = used.empty() ? 0.0 : used.front()->at.stress;
-  } else {
-    const double most = rows[peak].at.stress;
-    for (std::size_t k = 0; k <= peak; ++k)
-      if (rows[k].at.stress >= 0.1 * most && rows[k].at.stress <= 0.5 * most) used.push_back(&rows[k]);
-    if (used.size() < 5) {
-      result.notes.push_back(fmt::format(
-          "only {} rows are between a tenth and half of the peak: no modulus; make the test slower "
-          "with --rate, or end it sooner with --strain",
-          used.size()));
-      return;
-    }
-    tell_cracks_behind(rows, *used.back(), peak, result);
-  }
-  if (used.size() < 2) return result.notes.push_back("the run ended before the elastic stage: no modulus");
-  find_moduli(test, used, result);
-  if (!test.notch) return;
-  result.toughness = Toughness{};
-  if (const auto E =
-          std::exchange(result.modulus, std::nullopt))  // of a whole beam: it says no more than this
-    result.toughness->compliance = test.stress_per_force / (test.strain_per_way * *E);
-}
 
 /// The last row before so many bonds have broken: at rest just where the break began.
 const CurvePoint* point_of_break(const std::vector<Row>& rows, std::int64_t count) {
@@ -115,12 +25,14 @@ const CurvePoint* point_of_break(const std::vector<Row>& rows, std::int64_t coun
   return nullptr;
 }
 
-void find_breaks(const std::vector<Row>& rows, std::size_t peak, TestResult& result) {
-  result.breaks = rows.back().broken - rows.front().broken;
+/// `listed`: bonds that broke in the run. At rest the last of them are in no row if no balance follows them.
+void find_breaks(const std::vector<Row>& rows, std::size_t peak, std::int64_t listed, TestResult& result) {
+  result.breaks = std::max(rows.back().broken - rows.front().broken, listed);
   result.breaks_before_peak = rows[peak].broken - rows.front().broken;
   if (result.breaks == 0) return;
   const std::int64_t before = rows.front().broken;
-  if (const CurvePoint* at = point_of_break(rows, before + 1)) result.first_break = *at;
+  const CurvePoint* first = point_of_break(rows, before + 1);
+  result.first_break = first ? *first : rows.back().at;
   const auto hundredth =
       static_cast<std::int64_t>(std::ceil(0.01 * static_cast<double>(result.breaks_before_peak)));
   if (hundredth < 1) return;
@@ -188,8 +100,13 @@ void find_peak(const MadeTest& test, const std::vector<Row>& rows, std::size_t p
                          result.ended == "peak";  // in motion: by the force on the upper end
   if (most.stress > 0.0 && (collapsed || least_after <= (1.0 - test.request.drop) * most.stress)) {
     const bool unstable = result.ended == "lost stability";
-    if (!unstable || result.breaks > 0) result.peak = most;
-    if (unstable && result.breaks == 0)
+    if (!unstable || result.breaks > 0 || test.gives_way) result.peak = most;
+    if (unstable && result.breaks == 0 && test.gives_way)
+      result.notes.push_back(
+          "the body lost stability before a bond broke: bonds that soften, or stretch by a curve, bear no "
+          "more "
+          "than this, or it has buckled; what it would bear then is not known");
+    else if (unstable && result.breaks == 0)
       tell_no_peak(result,
                    "the body lost stability before a bond broke: it has buckled, and has no strength");
     else if (unstable)
@@ -302,7 +219,9 @@ TestResult result_of(const MadeTest& test, const std::filesystem::path& folder) 
                                      end.used_before, elastic_strain));
     return result;
   }
-  find_breaks(rows, peak, result);
+  const bool any_listed = std::filesystem::exists(folder / "breaks.csv");
+  const std::vector<FirstBreak> breaks = any_listed ? breaks_of(folder) : std::vector<FirstBreak>{};
+  find_breaks(rows, peak, static_cast<std::int64_t>(breaks.size()), result);
   find_peak(test, rows, peak, result);
   if (result.peak && ended_too_soon(test, rows, begin, peak, result))
     result.peak.reset(), result.modulus.reset(), result.modulus_by_ends.reset(), result.nu.reset();
@@ -314,7 +233,6 @@ TestResult result_of(const MadeTest& test, const std::filesystem::path& folder) 
     tell_inertia(test, result);
   }
   if (result.breaks == 0) return result;
-  const std::vector<FirstBreak> breaks = breaks_of(folder);
   if (!breaks.empty()) result.first_break_at = breaks.front();
   if (test.request.kind == Kind::bend3 && result.first_break_at) tell_break_of_beam(test, result);
   if (test.request.kind == Kind::brazilian) {

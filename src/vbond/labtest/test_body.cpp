@@ -124,6 +124,13 @@ Body body_of(const Case& c, const Built& built, const Request& request) {
   for (const ParticleId p : body.model.mass.ids()) body.box.add(body.state.r[p], body.reach(p));
   body.wave_speed = body.spacing * 2.0 * std::numbers::pi / body.model.T_0;
   body.can_break = has_strength(body.state);
+  const auto any_bond = [&body](auto&& is) {
+    return std::any_of(body.state.bonds.begin(), body.state.bonds.end(), is);
+  };
+  body.gives_way = any_bond([](const Bond& b) {
+    return b.rules->softening.any() || b.rules->stretch.form != StretchForm::harmonic;
+  });
+  body.creeps = any_bond([](const Bond& b) { return creeps(b); });
   return body;
 }
 

@@ -18,15 +18,17 @@ struct Body {
   const Case& c;
   const Model& model;
   const State& state;
-  std::string file;       ///< of the case, for messages
-  int axis = 2;           ///< along the specimen
-  int across = 0;         ///< normal to it: along which shear, bend3 and brazilian load
-  int third = 1;          ///< normal to both
-  BoundingBox box;        ///< around the particles, as far as they reach  [length]
-  double beyond = 0;      ///< by how much they reach farther than their radii  [length]
-  double spacing = 0;     ///< mean distance of bonded centres  [length]
-  double wave_speed = 0;  ///< about that of a lattice with this spacing and T_0  [length/time]
-  bool can_break = false;
+  std::string file;        ///< of the case, for messages
+  int axis = 2;            ///< along the specimen
+  int across = 0;          ///< normal to it: along which shear, bend3 and brazilian load
+  int third = 1;           ///< normal to both
+  BoundingBox box;         ///< around the particles, as far as they reach  [length]
+  double beyond = 0;       ///< by how much they reach farther than their radii  [length]
+  double spacing = 0;      ///< mean distance of bonded centres  [length]
+  double wave_speed = 0;   ///< about that of a lattice with this spacing and T_0  [length/time]
+  bool can_break = false;  ///< some bond has a strength
+  bool gives_way = false;  ///< some soften, or their stretching is no straight line
+  bool creeps = false;     ///< some do
 
   /// From the centre of a particle to the surface of the body  [length].
   double reach(ParticleId p) const { return std::max(0.0, model.radius[p] + beyond); }
