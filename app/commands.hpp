@@ -63,11 +63,11 @@ struct WatchOptions {
   std::string program;  ///< as it was called, for the hint how to go on
 };
 
-/// Of bodies without a cell.
 struct HomogeniseOptions {
-  std::string volume;   ///< with or without a unit; empty: of the box around the particles
-  std::string surface;  ///< a group; empty: of that box
+  std::string volume;   ///< of a body without a cell, with or without a unit; empty: of the box around it
+  std::string surface;  ///< of a body without a cell: a group; empty: of that box
   bool along = false;   ///< at each balance of the case's static stages, as CSV
+  std::optional<std::filesystem::path> report;  ///< a page to write besides: NAME.html, not there yet
 };
 
 int run(const RunOptions& options);
@@ -92,7 +92,7 @@ int pack(const RunOptions& options, const std::filesystem::path& file);
 int calibrate_body(const RunOptions& options, const CalibrateOptions& material, const std::string& bending);
 /// Prints the elastic constants of a case's body as the case makes it, as text, or as JSON: of the material
 /// that its periodic cell is a piece of, of the plate that a cell with two directions is, or of a finite
-/// body.
+/// body. The page, if there is one, also has moduli by direction.
 int homogenise(const RunOptions& options, const HomogeniseOptions& body);
 /// Writes the body of a case, as its first stage begins, as files for LAMMPS with the plugin.
 int export_lammps(const RunOptions& options, const std::filesystem::path& folder);

@@ -1,21 +1,29 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <utility>
+#include <vector>
 
+#include "campaign.hpp"
 #include "commands.hpp"
 #include "homogenise_along.hpp"
+#include "homogenise_report.hpp"
 #include "prepare.hpp"
+#include "report_command.hpp"
 #include "vbond/case/arguments.hpp"
 #include "vbond/case/read.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/core/printable.hpp"
 #include "vbond/model/cell_drive.hpp"
 #include "vbond/model/periodic_cell.hpp"
+#include "vbond/observe/files.hpp"
+#include "vbond/report/page.hpp"
 #include "vbond/setup/build.hpp"
 #include "vbond/statics/homogenise.hpp"
 #include "vbond/statics/homogenise_body.hpp"
@@ -97,16 +105,38 @@ void print_directions(const ElasticConstants& C, double density) {
   }
 }
 
-void print(const Homogenised& h, const ElasticConstants* C, UnitSystem units) {
-  const bool si = units == UnitSystem::si;
-  fmt::print("{} particles, {} bonds; volume {:.6g}{}, density {:.6g}{}; solver {}\n", h.particles, h.bonds,
-             h.volume, si ? " m^3" : "", h.density, si ? " kg/m^3" : "", h.solver);
-  if (h.floating > 0)
-    fmt::print("{} particles are of parts that hang together with none of their images: they carry nothing\n",
-               h.floating);
-  if (h.moved) fmt::print("The body was not in balance as the case makes it: this is the balance near it.\n");
-  fmt::print("Stress{}  xx {:.4g}   yy {:.4g}   zz {:.4g}   yz {:.4g}   xz {:.4g}   xy {:.4g}\n",
-             si ? " [Pa]" : "", h.stress[0], h.stress[1], h.stress[2], h.stress[3], h.stress[4], h.stress[5]);
+using Sentences = std::vector<std::string>;
+
+void print(const Sentences& sentences) {
+  for (const std::string& text : sentences) fmt::print("{}\n", text);
+}
+
+constexpr const char* was_moved =
+    "The body was not in balance as the case makes it: this is the balance near it.";
+
+std::string floating_in_words(std::size_t floating) {
+  return fmt::format(
+      "{} particles are of parts that hang together with none of their images: they carry nothing", floating);
+}
+
+Sentences facts_of(const Homogenised& h, bool si) {
+  return {fmt::format("{} particles, {} bonds; volume {:.6g}{}, density {:.6g}{}; solver {}", h.particles,
+                      h.bonds, h.volume, si ? " m^3" : "", h.density, si ? " kg/m^3" : "", h.solver),
+          fmt::format("Stress{}  xx {:.4g}   yy {:.4g}   zz {:.4g}   yz {:.4g}   xz {:.4g}   xy {:.4g}",
+                      si ? " [Pa]" : "", h.stress[0], h.stress[1], h.stress[2], h.stress[3], h.stress[4],
+                      h.stress[5])};
+}
+
+Sentences remarks_on(const Homogenised& h) {
+  Sentences all;
+  if (h.floating > 0) all.push_back(floating_in_words(h.floating));
+  if (h.moved) all.emplace_back(was_moved);
+  return all;
+}
+
+void print(const Homogenised& h, const ElasticConstants* C, bool si) {
+  const Sentences facts = facts_of(h, si);
+  print({facts[0]}), print(remarks_on(h)), print({facts[1]});
   fmt::print("\nC{}: xx yy zz yz xz xy, engineering shear\n", si ? " [Pa]" : "");
   print_constants(h.C);
   if (C == nullptr) return;
@@ -114,25 +144,31 @@ void print(const Homogenised& h, const ElasticConstants* C, UnitSystem units) {
   print_directions(*C, h.density);
 }
 
+std::string no_others(const std::string& why) {
+  return "nothing else follows from these constants: " + why;
+}
+
 void tell_of_others(const std::string& why) {
-  fmt::print(stderr, "vbond: nothing else follows from these constants: {}\n", why);
+  fmt::print(stderr, "vbond: {}\n", no_others(why));
 }
 
 // ---- a cell that repeats in all directions ------------------------------------------------------------
 
-int of_cell(const RunOptions& options, const Built& built) {
+void of_cell(const RunOptions& options, const Built& built, MaterialPage& page) {
   const Homogenised found = homogenise(built.model, built.state);
   std::string why;
   const std::optional<ElasticConstants> C = constants_of(found.C, why);
   const ElasticConstants* known = C ? &*C : nullptr;
+  const bool si = built.model.units == UnitSystem::si;
+  page = {json_of(found, known), facts_of(found, si), remarks_on(found), {}, {{"", "", C}}};
+  if (!C) page.warnings.push_back(no_others(why));
   if (options.json) {
-    fmt::print("{}\n", json_of(found, known).dump(2));
+    fmt::print("{}\n", page.found.dump(2));
   } else {
     print_notes(built.notes);
-    print(found, known, built.model.units);
+    print(found, known, si);
   }
   if (!C) tell_of_others(why);
-  return done;
 }
 
 // ---- sheets -------------------------------------------------------------------------------------------
@@ -153,19 +189,25 @@ Json json_of(const HomogenisedSheet& h) {
           {"D", h.D}};
 }
 
-void print(const HomogenisedSheet& h, UnitSystem units) {
-  const bool si = units == UnitSystem::si;
+Sentences facts_of(const HomogenisedSheet& h, bool si) {
   const auto name = [&h](std::size_t k) { return h.axes[k].x > 0.5 ? 'x' : h.axes[k].y > 0.5 ? 'y' : 'z'; };
-  fmt::print("{} particles, {} bonds; area {:.6g}{}, mass per area {:.6g}{}; solver {}\n", h.particles,
-             h.bonds, h.area, si ? " m^2" : "", h.density, si ? " kg/m^2" : "", h.solver);
-  fmt::print("1, 2 and the normal are {}, {} and {}; strain and curvature count at {} = {:.6g}{}\n", name(0),
-             name(1), name(2), name(2), h.plane, si ? " m" : "");
-  if (h.floating > 0)
-    fmt::print("{} particles are of parts that hang together with none of their images: they carry nothing\n",
-               h.floating);
+  return {fmt::format("{} particles, {} bonds; area {:.6g}{}, mass per area {:.6g}{}; solver {}", h.particles,
+                      h.bonds, h.area, si ? " m^2" : "", h.density, si ? " kg/m^2" : "", h.solver),
+          fmt::format("1, 2 and the normal are {}, {} and {}; strain and curvature count at {} = {:.6g}{}",
+                      name(0), name(1), name(2), name(2), h.plane, si ? " m" : "")};
+}
+
+Sentences remarks_on(const HomogenisedSheet& h) {
+  Sentences all;
+  if (h.floating > 0) all.push_back(floating_in_words(h.floating));
   if (h.parts > 1)
-    fmt::print("{} parts do not hang together with each other: B and D are as if they could not slide\n",
-               h.parts);
+    all.push_back(fmt::format(
+        "{} parts do not hang together with each other: B and D are as if they could not slide", h.parts));
+  return all;
+}
+
+void print(const HomogenisedSheet& h, bool si) {
+  print(facts_of(h, si)), print(remarks_on(h));
   for (const auto& [title, unit, C] : {std::tuple{"A, membrane forces by strain", " [N/m]", &h.A},
                                        {"B, membrane forces by curvature", " [N]", &h.B},
                                        {"D, moments by curvature", " [N m]", &h.D}}) {
@@ -174,15 +216,16 @@ void print(const HomogenisedSheet& h, UnitSystem units) {
   }
 }
 
-int of_sheet(const RunOptions& options, const Built& built) {
+void of_sheet(const RunOptions& options, const Built& built, MaterialPage& page) {
   const HomogenisedSheet found = homogenise_sheet(built.model, built.state);
+  const bool si = built.model.units == UnitSystem::si;
+  page = {json_of(found), facts_of(found, si), remarks_on(found), {}, {}};
   if (options.json) {
-    fmt::print("{}\n", json_of(found).dump(2));
+    fmt::print("{}\n", page.found.dump(2));
   } else {
     print_notes(built.notes);
-    print(found, built.model.units);
+    print(found, si);
   }
-  return done;
 }
 
 // ---- finite bodies ------------------------------------------------------------------------------------
@@ -211,16 +254,31 @@ Json json_of(const HomogenisedBody& h) {
           {"by_traction", json_of(h.by_traction)}};
 }
 
-void print(const HomogenisedBody& h, const std::string& volume_is, UnitSystem units) {
-  const bool si = units == UnitSystem::si;
-  fmt::print("{} particles, {} bonds; volume {:.6g}{} ({}), density {:.6g}{}; solver {}\n", h.particles,
-             h.bonds, h.volume, si ? " m^3" : "", volume_is, h.density, si ? " kg/m^3" : "", h.solver);
-  fmt::print("{} particles are its surface\n", h.surface);
+Sentences facts_of(const HomogenisedBody& h, const std::string& volume_is, bool si) {
+  return {
+      fmt::format("{} particles, {} bonds; volume {:.6g}{} ({}), density {:.6g}{}; solver {}", h.particles,
+                  h.bonds, h.volume, si ? " m^3" : "", volume_is, h.density, si ? " kg/m^3" : "", h.solver),
+      fmt::format("{} particles are its surface", h.surface)};
+}
+
+Sentences remarks_on(const HomogenisedBody& h) {
+  Sentences all;
   if (h.floating > 0)
-    fmt::print("{} particles are of other parts than the largest: they count nowhere\n", h.floating);
-  if (h.moved) fmt::print("The body was not in balance as the case makes it: this is the balance near it.\n");
-  for (const auto& [title, C] : {std::pair{"moves with the strain, which gives most", &h.by_displacement},
-                                 {"bears uniform stress, which gives least", &h.by_traction}}) {
+    all.push_back(
+        fmt::format("{} particles are of other parts than the largest: they count nowhere", h.floating));
+  if (h.moved) all.emplace_back(was_moved);
+  return all;
+}
+
+/// Both C with their keys in JSON.
+std::array<std::tuple<const char*, const char*, const Constants*>, 2> both(const HomogenisedBody& h) {
+  return {{{"by_displacement", "moves with the strain, which gives most", &h.by_displacement},
+           {"by_traction", "bears uniform stress, which gives least", &h.by_traction}}};
+}
+
+void print(const HomogenisedBody& h, const std::string& volume_is, bool si) {
+  print(facts_of(h, volume_is, si)), print(remarks_on(h));
+  for (const auto& [key, title, C] : both(h)) {
     fmt::print("\nC{} if the surface {}: xx yy zz yz xz xy, engineering shear\n", si ? " [Pa]" : "", title);
     print_constants(*C);
     std::string why;
@@ -231,7 +289,20 @@ void print(const HomogenisedBody& h, const std::string& volume_is, UnitSystem un
   }
 }
 
-int of_body(const RunOptions& options, const HomogeniseOptions& body, const Case& c, const Built& built) {
+MaterialPage page_of(const HomogenisedBody& h, const std::string& volume_is, bool si) {
+  MaterialPage page{json_of(h), facts_of(h, volume_is, si), remarks_on(h), {}, {}};
+  for (const auto& [key, title, C] : both(h)) {
+    std::string why;
+    const auto known = constants_of(*C, why);
+    const std::string name = std::string("If the surface ") + title;
+    page.materials.push_back({key, name, known});
+    if (!known) page.warnings.push_back(name + ": " + no_others(why));
+  }
+  return page;
+}
+
+void of_body(const RunOptions& options, const HomogeniseOptions& body, const Case& c, const Built& built,
+             MaterialPage& page) {
   Arguments arguments;
   std::optional<double> volume;
   if (!body.volume.empty()) {
@@ -250,14 +321,15 @@ int of_body(const RunOptions& options, const HomogeniseOptions& body, const Case
                                                             volume ? *volume : volume_of_box(m, built.state))
                                                : surface_of_box(m, built.state, volume);
   const HomogenisedBody found = homogenise_body(m, built.state, surface);
+  const char* volume_is = volume ? "as given" : "the box around its particles as the case makes it";
+  const bool si = m.units == UnitSystem::si;
+  page = page_of(found, volume_is, si);
   if (options.json) {
-    fmt::print("{}\n", json_of(found).dump(2));
+    fmt::print("{}\n", page.found.dump(2));
   } else {
     print_notes(built.notes);
-    print(found, volume ? "as given" : "the box around its particles as the case makes it",
-          built.model.units);
+    print(found, volume_is, si);
   }
-  return done;
 }
 
 }  // namespace
@@ -272,6 +344,8 @@ std::optional<ElasticConstants> constants_of(const Constants& C, std::string& wh
 }
 
 int homogenise(const RunOptions& options, const HomogeniseOptions& body) {
+  std::string html;
+  if (body.report) require_new_page(*body.report), html = page_template();  // refuses before it computes
   const Case c = read_case(options.case_file, options.changes);
   Built built = build(c);
   const auto& periodic = built.model.cell.periodic;
@@ -287,10 +361,11 @@ int homogenise(const RunOptions& options, const HomogeniseOptions& body) {
                             "--along takes the balances of such a cell",
                             "leave it out, or give a [cell]: docs/cell.md"});
   if (body.along) return homogenise_along(c, std::move(built), options.threads);
+  MaterialPage page;
   switch (directions) {
-    case 0: return of_body(options, body, c, built);
-    case 2: return of_sheet(options, built);
-    case 3: return of_cell(options, built);
+    case 0: of_body(options, body, c, built, page); break;
+    case 2: of_sheet(options, built, page); break;
+    case 3: of_cell(options, built, page); break;
     default:
       throw CaseError(
           Problem{{c.file, 0, 0},
@@ -299,6 +374,11 @@ int homogenise(const RunOptions& options, const HomogeniseOptions& body) {
                   "repeat in two, and of bodies without a cell",
                   "let it repeat in more directions, or leave [cell] out: docs/cell.md"});
   }
+  if (!body.report) return done;
+  page.notes.insert(page.notes.end(), built.notes.begin(), built.notes.end());
+  replace_file(*body.report, page::material_page(html, as_json(page, c)), Sync::none);
+  say("report in " + printable(body.report->string()) + "\n", options.json ? stderr : stdout);
+  return done;
 }
 
 }  // namespace vbond::app

@@ -277,6 +277,10 @@ int dispatch(int argc, char** argv, app::Processes& processes) {
   homogenise_command->add_flag("--json", run.json, "Print it as JSON");
   app::HomogeniseOptions of_body;
   homogenise_command
+      ->add_option("--report", of_body.report,
+                   "Write a page for any browser: moduli by direction as polar plots, and tables")
+      ->type_name("NAME.html");
+  homogenise_command
       ->add_option("--volume", of_body.volume,
                    "Of a body without a cell; without it that of the box around it")
       ->type_name("VOLUME");
@@ -288,7 +292,8 @@ int dispatch(int argc, char** argv, app::Processes& processes) {
       ->add_flag(
           "--along", of_body.along,
           "Run the case, and print the constants of its cell at each balance of its static stages, as CSV")
-      ->excludes("--json");
+      ->excludes("--json")
+      ->excludes("--report");
 
   app::FitOptions fit;
   fit.threads = default_threads();

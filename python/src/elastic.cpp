@@ -42,6 +42,9 @@ Constants constants(const py::array_t<double, py::array::c_style | py::array::fo
 py::tuple directed(const Directed& d) {
   return py::make_tuple(d.value, py::make_tuple(d.along.x, d.along.y, d.along.z));
 }
+py::tuple extremes(const Extremes& e) {
+  return py::make_tuple(directed(e.least), directed(e.largest));
+}
 
 void bind_constants(py::module_& m) {
   using namespace py::literals;
@@ -81,6 +84,18 @@ void bind_constants(py::module_& m) {
             return c.shear_modulus(vector(a, "a"), vector(b, "b"));
           },
           "a"_a, "b"_a)
+      .def(
+          "shear_moduli",
+          [](const ElasticConstants& c, const py::object& n) {
+            return extremes(c.shear_moduli(vector(n, "along")));
+          },
+          "along"_a, "((least G, m), (largest G, m)): of all directions m across")
+      .def(
+          "poissons_ratios",
+          [](const ElasticConstants& c, const py::object& n) {
+            return extremes(c.poissons_ratios(vector(n, "along")));
+          },
+          "along"_a, "((least nu, m), (largest nu, m)): of all directions m across")
       .def(
           "least_youngs_modulus",
           [](const ElasticConstants& c) { return directed(c.least_youngs_modulus()); },

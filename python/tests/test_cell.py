@@ -1,5 +1,8 @@
 """Periodic bodies: the cell and images as arrays, of a run and of its files."""
 
+import json
+import re
+
 import numpy as np
 import pytest
 
@@ -91,12 +94,37 @@ def test_a_cell_is_homogenised(periodic):
     assert by["c_A"] + by["c_D"] + by["c_B"] + by["c_T"] == pytest.approx(C, abs=1e-13)
     speed, along = found.constants.wave_speeds([1, 0, 0], found.density)[-1]
     assert speed == pytest.approx(1.0) and abs(along[0]) == pytest.approx(1.0)
+    # along a diagonal of a face: shear of that face's edges against each other, (C11 - C12)/2, and C44
+    (softest, m), (stiffest, other) = found.constants.shear_moduli([1, 1, 0])
+    assert (softest, stiffest) == pytest.approx((0.15, 0.5)) and abs(m[2]) == pytest.approx(1.0) and abs(other[0]) == pytest.approx(0.5**0.5)
+    (least, _), (largest, _) = found.constants.poissons_ratios([1, 0, 0])
+    assert (least, largest) == pytest.approx((0.0, 0.0), abs=1e-13)
     # of a state: a stretched lattice has stress
     run = vbond.Run(case.with_stages([{"kind": "equilibrium", "cell": {"zz": {"strain": 0.01}}}]))
     run.run_stage()
     assert vbond.homogenise(run.state).stress[2] == pytest.approx(0.01, rel=1e-9)
     with pytest.raises(ValueError, match="periodic in all three directions"):
         vbond.homogenise(vbond.Case.from_dict({**periodic, "cell": {**periodic["cell"], "open": ["c"]}, "stage": [{"duration": 1.0}]}))
+
+
+def test_a_material_has_a_page(periodic, tmp_path, monkeypatch):
+    (tmp_path / "template.html").write_text("<!doctype html>\n<!-- run -->\n</html>\n")
+    monkeypatch.setenv("VBOND_PAGE", str(tmp_path / "template.html"))
+    del periodic["contact"]
+    case, page = vbond.Case.from_dict({**periodic, "stage": [{"duration": 1.0}]}), tmp_path / "cell.html"
+    found = vbond.homogenise(case, report=page)
+    (shown,) = re.findall(r'^<script type="application/json" id="material">(.*)</script>$', page.read_text(), re.M)
+    assert json.loads(shown)["found"]["C"][0][0] == pytest.approx(found.C[0, 0])
+    with pytest.raises(vbond.ProgramError, match="is there already"):
+        vbond.homogenise(case, report=page)
+    with pytest.raises(ValueError, match="this is a state"):
+        vbond.homogenise(vbond.Run(case).state, report=tmp_path / "other.html")
+    body = vbond.Case.from_dict({key: value for key, value in {**periodic, "stage": [{"duration": 1.0}]}.items() if key != "cell"})
+    vbond.homogenise_body(body, volume=20.0, report=tmp_path / "body.html")
+    assert "volume 20 (as given)" in (tmp_path / "body.html").read_text()
+    with pytest.raises(ValueError, match="--surface GROUP"):
+        vbond.homogenise_body(body, surface=range(64), report=tmp_path / "other.html")
+    assert not (tmp_path / "other.html").exists()
 
 
 def test_a_sheet_is_homogenised(periodic):

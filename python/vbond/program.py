@@ -104,6 +104,16 @@ def fit(case: Case, data: str | os.PathLike, output: str | os.PathLike, vary: Se
     return found
 
 
+def write_material_page(body: Any, report: str | os.PathLike | None, *options: str) -> None:
+    """The page of `vbond homogenise --report`, if one is asked for."""
+    if report is None:
+        return
+    if not isinstance(body, Case):
+        raise ValueError("report: the page is that of a case as it begins, and this is a state")
+    with _as_file(body) as file:
+        run_program(["homogenise", file, "--report", os.fspath(report), *options], quiet=True)
+
+
 def laboratory_test(case: Case, kind: str, folder: str | os.PathLike, *, pressures: Sequence[float | str] = (), motion: bool = False,
                     frames: bool = False, threads: int | None = None, quiet: bool = True,
                     **options: float | str) -> dict[str, Any]:

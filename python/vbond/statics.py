@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -10,6 +11,7 @@ import numpy as np
 
 from . import _vbond
 from .cases import Case
+from .program import write_material_page
 from .runs import Run
 
 
@@ -40,44 +42,51 @@ class StaticSolution:
         return self.history["load_factor"]
 
 
-def homogenise(body: Case | _vbond.State, *, derivatives: bool = False) -> _vbond.Homogenised:
+def homogenise(body: Case | _vbond.State, *, derivatives: bool = False,
+               report: str | os.PathLike | None = None) -> _vbond.Homogenised:
     """The elastic material that a periodic cell of particles and bonds is a piece of, about the balance that it comes to
     with its cell held: of a case as it begins, or of a state that a run has brought it to (Run.state). With derivatives:
-    also how C follows from the stiffnesses of each set of bonds, of a body whose bonds are at rest. Raises ValueError if
-    the cell is open in some direction, NoEquilibrium if some particles can move at no cost.
+    also how C follows from the stiffnesses of each set of bonds, of a body whose bonds are at rest. report: NAME.html, a page
+    that the program writes, of a case (docs/material.md). Raises ValueError if the cell is open in some direction,
+    NoEquilibrium if some particles can move at no cost, ProgramError if the page cannot be written.
 
         vbond.homogenise(case).constants.hill.E
     """
     if not hasattr(_vbond, "homogenise"):
         raise RuntimeError("homogenise: this vbond was built without statics")
+    write_material_page(body, report)
     return _vbond.homogenise(Run(body).state if isinstance(body, Case) else body, derivatives)
 
 
-def homogenise_sheet(body: Case | _vbond.State) -> _vbond.HomogenisedSheet:
+def homogenise_sheet(body: Case | _vbond.State, *, report: str | os.PathLike | None = None) -> _vbond.HomogenisedSheet:
     """The plate that a sheet of bonds is: A, B and D, per width. The cell is periodic in two directions, open in the third.
 
         vbond.homogenise_sheet(case).D[0, 0]
 
-    ValueError for what is no sheet, is strained, or whose particles press on each other; NoEquilibrium if particles can
+    report: as of homogenise. ValueError for what is no sheet, is strained, or whose particles press on each other; NoEquilibrium if particles can
     move at no cost.
     """
     if not hasattr(_vbond, "homogenise_sheet"):
         raise RuntimeError("homogenise_sheet: this vbond was built without statics")
+    write_material_page(body, report)
     return _vbond.homogenise_sheet(Run(body).state if isinstance(body, Case) else body)
 
 
 def homogenise_body(body: Case | _vbond.State, *, surface: Sequence[int] | None = None,
-                    volume: float | None = None) -> _vbond.HomogenisedBody:
+                    volume: float | None = None, report: str | os.PathLike | None = None) -> _vbond.HomogenisedBody:
     """Elastic constants of a body without a cell: by displacement of its surface, and by traction on it.
 
         vbond.homogenise_body(case).by_displacement.hill.E
 
     surface: numbers of particles; without it those at the faces of the box along the axes around the body, which it must
-    fill. volume: without it that of this box. ValueError for what has no such constants; NoEquilibrium if particles can
+    fill. volume: without it that of this box. report: as of homogenise, without surface. ValueError for what has no such constants; NoEquilibrium if particles can
     move at no cost.
     """
     if not hasattr(_vbond, "homogenise_body"):
         raise RuntimeError("homogenise_body: this vbond was built without statics")
+    if report is not None and surface is not None:
+        raise ValueError("homogenise_body: the page knows surfaces as groups of the case: use vbond homogenise --surface GROUP --report")
+    write_material_page(body, report, *([] if volume is None else ["--volume", repr(float(volume))]))
     return _vbond.homogenise_body(Run(body).state if isinstance(body, Case) else body,
                                   None if surface is None else sorted({int(p) for p in surface}), volume)
 

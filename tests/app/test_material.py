@@ -1,6 +1,7 @@
 """The material that a periodic cell is a piece of, and bonds for a material, through the program."""
 import json
 import math
+import re
 from pathlib import Path
 
 import pytest
@@ -129,6 +130,95 @@ def test_a_body_says_what_it_is_by_both_ways(lattice):
     vbond("homogenise", case, "--volume", "1 mm^3", status=2, err=["reduced units"])
     vbond("homogenise", case, "--surface", "skn", status=2, err=["--surface skn", "no group"])
     vbond("homogenise", case, "--surface", "skin", status=2, err=["one plane"])
+
+
+def shown(case, page, *options):
+    """What stands in the page of a case, and what was said."""
+    said = vbond("homogenise", case, "--report", page, *options)
+    text = Path(page).read_text(encoding="utf-8")
+    found = json.loads(re.search(r'^<script type="application/json" id="material">(.*)</script>$', text, re.M)[1])
+    assert text.count("<script") == 1 and found["format"] == 1 and found["units"] == "reduced" and found["case"] == case
+    return found, said
+
+
+def test_a_page_shows_the_cell(lattice):
+    text = Path(lattice).read_text(encoding="utf-8")
+    Path("named.toml").write_text('title = "A <b>lattice</b>"\n' + text, encoding="utf-8")
+    page, said = shown("named.toml", "cell.html")
+    found = constants("named.toml")
+    assert page["found"] == found and page["title"] == "A <b>lattice</b>" and page["warnings"] == []
+    assert "report in cell.html" in said.out and "Anisotropy" in said.out
+    (material,) = page["materials"]
+    assert (material["key"], material["name"], [plane["plane"] for plane in material["planes"]]) == ("", "", ["xy", "yz", "zx"])
+    for plane in material["planes"]:
+        at = {degrees: {name: plane[name][k] for name in plane if name not in ("plane", "degrees")} for k, degrees in enumerate(plane["degrees"])}
+        assert sorted(at) == list(range(0, 360, 2))
+        for degrees, axis in zip((0, 90, 180, 270), 2 * plane["plane"]):
+            assert at[degrees]["E"] == pytest.approx(found["E"][axis], rel=1e-12)
+            # along an axis of a cube all directions across are alike
+            G = [value for name, value in found["G"].items() if axis in name]
+            nu = [value for name, value in found["nu"].items() if name[0] == axis]
+            for name, values_of in (("G", G), ("nu", nu)):
+                assert at[degrees][f"{name}_least"] == pytest.approx(min(values_of), rel=1e-10)
+                assert at[degrees][f"{name}_largest"] == pytest.approx(max(values_of), rel=1e-10)
+        S = found["S"]
+        assert 1 / at[46]["E"] == pytest.approx(
+            S[0][0] - 2 * (S[0][0] - S[0][1] - S[3][3] / 2) * (math.sin(math.radians(92)) / 2) ** 2, rel=1e-9)
+        # of cubes, along the diagonal of a face: c_44 and (c_11 - c_12)/2 by those nearest to 45 degrees are not equal
+        assert at[44]["G_least"] < at[44]["G_largest"] and at[44]["nu_least"] < at[44]["nu_largest"]
+        assert at[44]["G_least"] == pytest.approx(at[46]["G_least"], rel=1e-9)
+    # with --json the page is told of beside it
+    page, said = shown("named.toml", "beside.html", "--json")
+    assert json.loads(said.out) == found == page["found"] and "report in beside.html" in said.err
+
+
+def test_a_page_shows_sheets_and_bodies(lattice):
+    text = Path(lattice).read_text(encoding="utf-8")
+    Path("sheet.toml").write_text(text.replace("c = [0, 0, 3]", 'c = [0, 0, 3]\nopen = ["c"]').replace("cells = [3, 3, 3]", "cells = [3, 3, 1]"),
+                                  encoding="utf-8")
+    page, _ = shown("sheet.toml", "sheet.html")
+    assert page["found"] == constants("sheet.toml") and page["materials"] == [] and any("1, 2 and the normal" in fact for fact in page["facts"])
+    case = without_cell(lattice)
+    page, _ = shown(case, "body.html", "--volume", "20")
+    assert page["found"] == constants(case, "--volume", "20") and "20 (as given)" in page["facts"][0]
+    assert [material["key"] for material in page["materials"]] == ["by_displacement", "by_traction"]
+    upper, lower = ([plane["E"] for plane in material["planes"]] for material in page["materials"])
+    # more by displacement in every direction, as C is more in the sense of matrices
+    assert all(a > b for A, B in zip(upper, lower) for a, b in zip(A, B))
+
+
+def test_a_page_of_what_has_no_averages(lattice):
+    """Under stress that differs by direction C has no symmetry: the page has C and says why nothing else."""
+    places = "".join(f"{i},{j},{1.2 * k}\n" for i in range(3) for j in range(3) for k in range(3))
+    Path("stretched.csv").write_text("x,y,z\n" + places, encoding="utf-8")
+    pressed = LATTICE.replace("c = [0, 0, 3]", "c = [0, 0, 3.6]").replace('kind = "block"\ncells = [3, 3, 3]\nradius = 0.5', 'kind = "csv"\nfile = "stretched.csv"\nradius = 0.8')
+    second = pressed.split("[[bonds]]")[2]
+    pressed = pressed.replace("[[bonds]]" + second, '[contact]\nlaw = "linear"\nk = 0.05\n[time]' + second.split("[time]")[1])
+    Path("pressed.toml").write_text(pressed.replace("distance = 1.1", "distance = 1.25"), encoding="utf-8")
+    page, said = shown("pressed.toml", "pressed.html")
+    assert "nothing else follows" in said.err
+    assert page["materials"] == [{"key": "", "name": "", "planes": []}] and len(page["found"]["C"]) == 6
+    assert [w["level"] for w in page["warnings"] if "nothing else follows" in w["text"]] == ["warning"]
+
+
+def test_a_page_is_refused_before_anything_is_computed(lattice):
+    def refused(page, *err, status=2, **more):
+        before = sorted(Path().iterdir())
+        vbond("homogenise", lattice, "--report", page, status=status, err=list(err), no_out="particles", **more)
+        assert sorted(Path().iterdir()) == before, "something was written"
+
+    Path("mine.html").write_text("mine", encoding="utf-8")
+    refused("mine.html", "--report mine.html: it is there already", "give another name, or remove it")
+    assert Path("mine.html").read_text(encoding="utf-8") == "mine"
+    Path("nowhere.html").symlink_to("gone.html")
+    refused("nowhere.html", "it is there already")
+    refused("no/such.html", "--report no/such.html: there is no such folder", "make it first")
+    refused("page.txt", "--report page.txt: the report is a page for browsers", "NAME.html")
+    refused("", "NAME.html")
+    refused("new.html", "the report page was not built", status=3, env={"VBOND_PAGE": "none.html"})
+    vbond("homogenise", lattice, "--along", "--report", "new.html", status=2, err=["--along", "excludes"])
+    vbond("homogenise", "missing.toml", "--report", "new.html", status=3, err="missing.toml")
+    assert not Path("new.html").exists()
 
 
 def test_silica():

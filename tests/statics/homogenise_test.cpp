@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "campaigns/dice.hpp"
+#include "crystals.hpp"
 #include "derivative.hpp"
 #include "packed.hpp"
 #include "vbond/core/error.hpp"
@@ -339,14 +340,6 @@ TEST(Homogenise, CampaignOfRandomCells) {
 }
 
 // ---- of constants alone -----------------------------------------------------------------------
-
-Constants cubic(double C11, double C12, double C44) {
-  Constants C{};
-  for (std::size_t a = 0; a < 3; ++a)
-    for (std::size_t b = 0; b < 3; ++b) C[a][b] = a == b ? C11 : C12;
-  for (std::size_t a = 3; a < 6; ++a) C[a][a] = C44;
-  return C;
-}
 
 // Copper. Closed forms of cubic crystals: Nye, Physical Properties of Crystals, and Kittel for waves along
 // 110.

@@ -1,6 +1,7 @@
 // The page of a fit: measured points and curves, residuals, how the search went, values with their errors.
 import { History } from "./history.js";
 import { Plot } from "./plot.js";
+import { table } from "./table.js";
 import { element, number, with_unit } from "./text.js";
 
 /** Of each column and stage the points in the order of x, and as the rows of a history. */
@@ -47,13 +48,6 @@ export function derivative_words({ derivative, derivatives: { times, by_differen
   return `tangent of the balance; ${compared}${partly ? `; differences${partly}: ${why}` : ""}`;
 }
 
-function table(label, headings, rows) {
-  return element("section", { class: "breaks", "aria-label": label }, element("h2", {}, label),
-    element("div", { class: "rows", tabindex: 0, role: "region", "aria-label": label }, element("table", {},
-      element("thead", {}, element("tr", {}, ...headings.map((name) => element("th", { scope: "col" }, name)))),
-      element("tbody", {}, ...rows.map((cells) => element("tr", {}, ...cells.map((cell) => element("td", {}, cell))))))));
-}
-
 function values_table(fit) {
   return table("Values", ["Value", "Start", "Found", "Standard error", "95 % from", "to", "Derivative"], fit.values.map((v) => {
     const [low, high] = v.interval_95, in_unit = (x) => with_unit(x, v.unit, 6);
@@ -65,7 +59,7 @@ function values_table(fit) {
 function correlations(fit) {
   if (fit.values.length < 2 || !fit.correlation.length) return null;
   const keys = fit.values.map(({ key }) => key);
-  return table("Correlations", ["", ...keys], keys.map((key, i) => [key, ...fit.correlation[i].map((c) => number(c, 5))]));
+  return table("Correlations", ["Value", ...keys], keys.map((key, i) => [key, ...fit.correlation[i].map((c) => number(c, 5))]));
 }
 
 /** What the reader must know before the figures. */

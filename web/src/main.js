@@ -6,6 +6,7 @@ import { show_fit } from "./fit.js";
 import { foot, head, name_of, warnings } from "./head.js";
 import { History } from "./history.js";
 import { Live, contents } from "./live.js";
+import { show_material } from "./material.js";
 import { Plots } from "./plots.js";
 import { Run } from "./run.js";
 import { show_sweep } from "./sweep.js";
@@ -91,6 +92,7 @@ async function show(page) {
 async function start() {
   if (place("sweep")) return show_sweep(JSON.parse(place("sweep").textContent), place, theme_button);
   if (place("fit")) return show_fit(JSON.parse(place("fit").textContent), place, theme_button, warnings);
+  if (place("material")) return show_material(JSON.parse(place("material").textContent), place, theme_button, warnings);
   const page = contents(document);
   await show(page);
   document.addEventListener("keydown", (event) => shown.view?.scene && shown.view.key_pressed(event));

@@ -48,12 +48,15 @@ export class Plot {
     this.note = element("p", { class: "note" });
     this.heading = element("h3", {}, preset.title);
     this.root = element("article", { class: "plot" },
-      element("header", {}, this.heading, element("div", { class: "buttons" },
-        this.switch_log("x"), this.switch_log("y"), this.closer_button(), this.whole_button(),
+      element("header", {}, this.heading, element("div", { class: "buttons" }, ...this.axis_buttons(),
         element("button", { type: "button", onclick: () => this.save_csv() }, "CSV"),
         element("button", { type: "button", onclick: () => this.save_png() }, "PNG"))),
       this.place, this.keys, this.note);
   }
+
+  axis_buttons() { return [this.switch_log("x"), this.switch_log("y"), this.closer_button(), this.whole_button()]; }
+
+  get canvas() { return this.plot.ctx.canvas; }
 
   switch_log(axis) {
     const button = element("button", { type: "button", "aria-pressed": String(this.log[axis]), onclick: () => {
@@ -106,10 +109,13 @@ export class Plot {
 
   words(name, axis) { return this.preset.turned?.[axis] ? `−${name}` : name; }
 
-  /** Names of the curves that are shown and the axes with their values; sums in a stack. */
+  /** Names of the curves that the reader has not hidden. */
+  shown() { return this.preset.y.filter((name) => !this.hidden.has(name)); }
+
+  /** These names and the axes with their values; sums in a stack. */
   curves() {
     const of = (axis) => (name) => this.history.column(name).values.map((v) => this.turned(v, axis));
-    const names = this.preset.y.filter((name) => !this.hidden.has(name));
+    const names = this.shown();
     this.stacks = !!this.preset.stacked && !this.log.y;
     const x_axis = (this.log.x ? log_axis : linear_axis)([this.preset.x].map(of("x"))), ys = names.map(of("y"));
     const y_axis = this.log.y ? log_axis(ys) : linear_axis(this.stacks ? stack(ys) : ys, this.stacks);
@@ -130,6 +136,11 @@ export class Plot {
     if (zoom) this.zoom_to(zoom);
   }
 
+  choose_colours() {
+    const palette = colour_of("--series").split(/\s+/);
+    this.colours = new Map(this.preset.y.map((name, k) => [name, palette[k % palette.length]]));
+  }
+
   /** Draws everything from the beginning, after a change of axes or curves. */
   build() {
     this.plot?.destroy();
@@ -138,8 +149,7 @@ export class Plot {
     this.drawn = this.curves();
     const { names, x_axis, y_axis, x, ys } = this.drawn;
     this.note.textContent = [x_axis.cut, y_axis.cut].filter(Boolean).join(" ");
-    const palette = colour_of("--series").split(/\s+/);
-    this.colours = new Map(this.preset.y.map((name, k) => [name, palette[k % palette.length]]));
+    this.choose_colours();
     const order = ys.map((_, k) => k);
     if (this.stacks) order.reverse();   // the highest sum first, so that the lower ones lie on it
     const axis = (scale, { splits, words }, label) => ({ scale, label, labelSize: 20, labelGap: 0, size: scale === "x" ? 32 : 60,
@@ -261,8 +271,8 @@ export class Plot {
   }
 
   save_png() {
-    const line = Math.round(24 * devicePixelRatio), { names } = this.drawn;
-    const { canvas, pen } = framed(this.plot.ctx.canvas, line, line);
+    const line = Math.round(24 * devicePixelRatio), names = this.shown();
+    const { canvas, pen } = framed(this.canvas, line, line);
     pen.font = `600 ${0.6 * line}px system-ui, sans-serif`;
     pen.fillText(this.preset.title, line, 0.5 * line);
     pen.font = `${0.5 * line}px system-ui, sans-serif`;

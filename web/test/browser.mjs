@@ -4,14 +4,13 @@
 // (skipped) where there is no chromium or no puppeteer-core.
 import assert from "node:assert/strict";
 import { mkdtemp, readFile, readdir, rm, writeFile } from "node:fs/promises";
-import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { dirname, join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
 import { cause_colours, causes } from "../src/palette.js";
 import { mark_colours } from "../src/marks.js";
 import { choose, launch, tick } from "./chromium.mjs";
-import { colours, fits, open, picture, pixels, pixels_of, show_frame, soon, steady_picture, two_pictures } from "./opened.mjs";
+import { colours, fits, is_accessible, open, picture, pixels, pixels_of, show_frame, soon, steady_picture, two_pictures } from "./opened.mjs";
 import { breaking, held, page as filled, periodic, rod, snapped, touching, wide } from "./sample.mjs";
 import { contacts_are_as_wide_as_strong, contacts_come_and_go, has_contacts } from "./touching.mjs";
 
@@ -218,21 +217,6 @@ async function plots_zoom(browser, file) {
   assert.ok(await soon(async () => await drawn() === before), "as it was");
   assert.deepEqual(complaints, []);
   await page.close();
-}
-
-/** Nothing that axe knows of keeps readers with other senses out, in both themes, wide and narrow. */
-async function is_accessible(browser, file, ticked) {
-  const axe = await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
-  for (const [width, theme] of [[1300, "light"], [390, "dark"]]) {
-    const { page } = await open(browser, file, { width });
-    await page.evaluate((name) => { if (document.documentElement.dataset.theme !== name) document.querySelector(".top button").click(); }, theme);
-    assert.equal(await page.evaluate(() => document.documentElement.dataset.theme ?? "light"), theme);
-    if (ticked) await tick(page, ticked);
-    await page.evaluate(axe);   // by the tester's tools: the page itself may not run it
-    const { violations } = await page.evaluate(() => globalThis.axe.run(document));
-    assert.deepEqual(violations.map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 160)).join("; ")}`), []);
-    await page.close();
-  }
 }
 
 /** Every button that saves: names of the files and that they are not empty. */

@@ -1,4 +1,4 @@
-// live.mjs VBOND ROOT: a run that goes on, in a browser, by the page of `vbond watch`; and the pages of a sweep and of a fit.
+// live.mjs VBOND ROOT: a run that goes on, in a browser, by the page of `vbond watch`; and the pages of a sweep, of a fit and of a material.
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
 import { once } from "node:events";
@@ -6,7 +6,8 @@ import { mkdtempSync, rmSync } from "node:fs";
 import { networkInterfaces, tmpdir } from "node:os";
 import { join } from "node:path";
 import { choose, launch, patience } from "./chromium.mjs";
-import { open } from "./opened.mjs";
+import { number } from "../src/text.js";
+import { fits as is_wide_enough, is_accessible, open } from "./opened.mjs";
 
 const [vbond, root] = process.argv.slice(2);
 const folder = mkdtempSync(join(tmpdir(), "vbond-live-")), run = join(folder, "run");
@@ -131,6 +132,30 @@ try {
     assert.match(cells[6], /^tangent of the balance/);
     assert.ok(await fitted.page.$$eval("canvas", (all) => all.every((canvas) => canvas.width > 300)), "all plots are drawn");
     assert.deepEqual(fitted.complaints, []);
+  }
+
+  const shown = join(folder, "material.html"), material = start("homogenise", `${root}/examples/silica.toml`, "--report", shown);
+  if (material.exitCode === null) await once(material, "exit");
+  assert.ok([0, 2].includes(material.exitCode), "without statics there are no constants");
+  if (material.exitCode === 0) {
+    const { page: around, complaints: complained } = await open(browser, shown);
+    assert.equal((await around.$$(".plot canvas")).length, 9, "three planes of three quantities");
+    assert.equal(await around.$$eval(".material thead", (tables) => tables.length), 4, "C, averages, along the axes, extremes");
+    const canvas = await (await around.$(".plot canvas")).boundingBox(), right = [canvas.x + 0.9 * canvas.width, canvas.y + 0.5 * canvas.height];
+    await around.mouse.move(...right);
+    const { E, hill } = JSON.parse(await around.$eval("#material", (element) => element.textContent)).found;
+    const told = await around.$eval(".plot", (plot) => ({ note: plot.querySelector(".note").textContent, values: [...plot.querySelectorAll("output")].map((value) => value.textContent) }));
+    assert.deepEqual(told, { note: "Along x", values: [E.x, hill.E].map((value) => number(value)) });
+    assert.equal((await around.$$(".plot .dot:not([hidden])")).length, 2, "both are marked");
+    const drawn = () => around.$eval(".plot canvas", (element) => element.toDataURL());
+    const light = await drawn();
+    await around.click(".theme");
+    assert.notEqual(await drawn(), light, "it is drawn anew in the other theme");
+    await around.setViewport({ width: 390, height: 800 });
+    await around.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+    assert.ok(await is_wide_enough(around), "390 px are wide enough");
+    assert.deepEqual(complained, []);
+    await is_accessible(browser, shown);
   }
   console.log(`passed: ${before} and then ${await frames()} frames, ${asked.size} addresses asked`);
 } finally {

@@ -1,7 +1,9 @@
 // A page in a browser: opened, looked at, waited for.
 import assert from "node:assert/strict";
+import { readFile } from "node:fs/promises";
+import { createRequire } from "node:module";
 import { pathToFileURL } from "node:url";
-import { patience } from "./chromium.mjs";
+import { patience, tick } from "./chromium.mjs";
 
 /** Opens a page and waits for its first picture; whatever it complains of or fetches is in `complaints`. */
 export async function open(browser, file, { width = 1300, reduced = "reduce", ready = "drawn", hash = "", touch = false } = {}) {
@@ -80,4 +82,19 @@ export async function pixels_of(page, png, rgb) {
     }
     return count;
   }, rgb);
+}
+
+/** Nothing that axe knows of keeps readers with other senses out, in both themes, wide and narrow. */
+export async function is_accessible(browser, file, ticked) {
+  const axe = await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+  for (const [width, theme] of [[1300, "light"], [390, "dark"]]) {
+    const { page } = await open(browser, file, { width });
+    await page.evaluate((name) => { if (document.documentElement.dataset.theme !== name) document.querySelector(".top button").click(); }, theme);
+    assert.equal(await page.evaluate(() => document.documentElement.dataset.theme ?? "light"), theme);
+    if (ticked) await tick(page, ticked);
+    await page.evaluate(axe);   // by the tester's tools: the page itself may not run it
+    const { violations } = await page.evaluate(() => globalThis.axe.run(document));
+    assert.deepEqual(violations.map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 160)).join("; ")}`), []);
+    await page.close();
+  }
 }

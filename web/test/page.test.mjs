@@ -8,6 +8,8 @@ import { from_base64, inflate, stored, undelta } from "../src/decode.js";
 import { curves_of as fit_curves, derivative_words, messages_of, search_of, without_interval } from "../src/fit.js";
 import { name_of } from "../src/head.js";
 import { linear_axis, log_axis, log_ticks } from "../src/axis.js";
+import { around, constants_of, units_of } from "../src/material.js";
+import { direction_words, rings_of } from "../src/polar.js";
 import { History, extent, nearest, stack } from "../src/history.js";
 import { Plot } from "../src/plot.js";
 import { scale_of } from "../src/paint.js";
@@ -548,4 +550,54 @@ test("Fit.WarnsOfWhatTheValuesAreNot", () => {
   for (const words of ["has not converged: it fails", "do not tell apart a, b", "c has no effect", "d is at its lower bound", "0.3 of sigma", "lines 4, 5.", "no balance"])
     assert.ok(said.includes(words), words);
   assert.deepEqual(messages_of({ ...fit, end: "converged", no_effect: [], not_told_apart: [], values: [], interpolation_off: 0, left_out_lines: [], failures: [] }), []);
+});
+
+test("Polar.CirclesHaveRoundValuesFromZeroToTheRim", () => {
+  assert.deepEqual(rings_of([[3, 7], [null, 5]]), { centre: 0, rim: 8, apart: 2 });
+  assert.deepEqual(rings_of([[1.3e-11]]), { centre: 0, rim: 1.5e-11, apart: 5e-12 });
+  assert.deepEqual(rings_of([[8]]), { centre: 0, rim: 8, apart: 2 });
+  assert.deepEqual(rings_of([]), { centre: 0, rim: 1, apart: 0.2 });
+});
+
+test("Polar.BelowZeroTheCentreIsTheFirstRoundValueBelow", () => {
+  const { centre, rim, apart } = rings_of([[-0.3, 0.9]]);
+  assert.deepEqual([centre, rim, apart], [-0.5, 1, 0.5]);
+  assert.deepEqual(rings_of([[-3, -1]]), { centre: -3, rim: 1, apart: 1 });
+});
+
+test("Polar.RoundingIsNotDrawnAsAShape", () => {
+  const { centre, rim } = rings_of([[1e-17, 2e-17, -1e-17]], 0.01);
+  assert.ok(rim >= 0.01 && centre > -0.01, `${[centre, rim]}`);
+});
+
+test("Polar.DirectionsAreSaidByTheirAxes", () => {
+  assert.deepEqual([0, 90, 180, 270].map((degrees) => direction_words(degrees, ["z", "x"])), ["Along z", "Along x", "Along −z", "Along −x"]);
+  assert.equal(direction_words(34, ["x", "y"]), "34° from x to y");
+});
+
+/** A body with two C, in SI units. */
+function a_material() {
+  const of = (E) => ({ C: [], hill: { E, G: E / 2, nu: 0 } });
+  const plane = { plane: "xy", degrees: [0, 180], E: [3, 4], G_least: [1, 1], G_largest: [2, 3], nu_least: [-1, 0], nu_largest: [0.5, 1] };
+  return { units: "SI", found: { by_displacement: of(4), by_traction: of(3) }, materials: [{ key: "by_displacement", planes: [plane] }, { key: "by_traction", planes: [plane] }] };
+}
+
+test("Material.ConstantsStandWhereTheMaterialSays", () => {
+  const page = a_material();
+  assert.equal(constants_of(page, page.materials[1]).hill.E, 3);
+  assert.equal(constants_of({ found: { C: 7 } }, { key: "" }).C, 7);
+});
+
+test("Material.APlaneHasItsCurvesAndTheCircleOfHill", () => {
+  const page = a_material(), [plane] = page.materials[0].planes;
+  const { circle, names, history } = around({ key: "G", curves: { G_least: "least G", G_largest: "largest G" } }, plane, { G: 1.5 }, "Pa");
+  assert.deepEqual([circle, ...names], ["Hill's G", "least G", "largest G", "Hill's G"]);
+  assert.deepEqual(names.map((name) => history.column(name).values), [[1, 1], [2, 3], [1.5, 1.5]]);
+  assert.deepEqual(history.column("direction"), { name: "direction", unit: "°", values: [0, 180] });
+  assert.equal(history.column("largest G").unit, "Pa");
+});
+
+test("Material.ReducedUnitsHaveNoNames", () => {
+  assert.ok(Object.values(units_of({ units: "reduced" })).every((unit) => unit === ""));
+  assert.deepEqual([units_of({ units: "SI" }).modulus, units_of({ units: "SI" }).D], ["Pa", "N m"]);
 });

@@ -268,6 +268,10 @@ std::string fit_page(const std::string& page_template, const std::string& json) 
   return Template(page_template).with("fit", json);
 }
 
+std::string material_page(const std::string& page_template, const std::string& json) {
+  return Template(page_template).with("material", json);
+}
+
 std::string report_page(const std::string& page_template, const Report& report, const PageLimits& limits) {
   const Template place(report.live ? allowed_to_ask(page_template) : page_template);
   const auto page_of = [&](const Cut& cut) { return place.with(pack(report, limits, cut)); };

@@ -58,8 +58,9 @@ struct PageLimits {
 /// The template with the overview of a sweep in it: JSON as web/FORMAT.md says. Throws IoError like
 /// report_page.
 std::string sweep_page(const std::string& page_template, const std::string& json);
-/// The same of a fit.
+/// The same of a fit, and of a material.
 std::string fit_page(const std::string& page_template, const std::string& json);
+std::string material_page(const std::string& page_template, const std::string& json);
 
 /// The page: the template with the run in it. While it is larger than its limit, first rows of the history
 /// are left out, if those alone take half of it; then frames of the run, evenly; then modes from the last

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
 
 #include "vbond/statics/detail/dense.hpp"
 
@@ -55,6 +56,21 @@ Vec3d normal_to(const Vec3d& n, const Vec3d& b) {
   const Vec3d unit = direction_of(b), m = across(unit, n);
   if (!(norm(m) > 1e-8)) throw std::invalid_argument("elastic constants: two directions are the same");
   return normalised(m);
+}
+/// Any unit vector across the unit vector n.
+Vec3d some_normal(const Vec3d& n) {
+  return normal_to(n, std::abs(n.x) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0});
+}
+/// Across the unit vector n, the directions in which f is least and largest: f(m) is quadratic in unit
+/// vectors m, so at the angle t from e_1 it is a + b cos 2t + c sin 2t. Which ones does not matter where b =
+/// c = 0.
+template <class Quadratic>
+std::pair<Vec3d, Vec3d> extremes_across(const Vec3d& n, const Quadratic& f) {
+  const Vec3d e_1 = some_normal(n), e_2 = cross(n, e_1);
+  const double f_1 = f(e_1), f_2 = f(e_2), b = 0.5 * (f_1 - f_2), c = f(e_1 + e_2) - 0.5 * (f_1 + f_2),
+               t = 0.5 * std::atan2(c, b);
+  const Vec3d largest = std::cos(t) * e_1 + std::sin(t) * e_2;
+  return {cross(n, largest), largest};
 }
 
 }  // namespace
@@ -135,6 +151,18 @@ double ElasticConstants::shear_modulus(const Vec3d& a, const Vec3d& b) const {
   return 1.0 / form(stress, S_, stress);
 }
 
+Extremes ElasticConstants::shear_moduli(const Vec3d& along) const {
+  const Vec3d n = direction_of(along);
+  const auto [stiff, soft] = extremes_across(n, [&](const Vec3d& m) { return 1.0 / shear_modulus(n, m); });
+  return {{shear_modulus(n, soft), soft}, {shear_modulus(n, stiff), stiff}};
+}
+
+Extremes ElasticConstants::poissons_ratios(const Vec3d& along) const {
+  const Vec3d n = direction_of(along);
+  const auto [least, largest] = extremes_across(n, [&](const Vec3d& m) { return poissons_ratio(n, m); });
+  return {{poissons_ratio(n, least), least}, {poissons_ratio(n, largest), largest}};
+}
+
 /// On half a sphere points of a spiral, which lie some 0.025 apart; from the best of them with ever smaller
 /// steps across. The modulus is a smooth function of the fourth degree, whose extremes are farther apart.
 Directed ElasticConstants::extreme(bool largest) const {
@@ -148,8 +176,7 @@ Directed ElasticConstants::extreme(bool largest) const {
     if (const double E = youngs_modulus(n); k == 0 || better(E, best.value)) best = {E, n};
   }
   for (double step = 0.02; step > 1e-9;) {
-    const Vec3d a = normal_to(best.along, std::abs(best.along.x) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}),
-                b = cross(best.along, a);
+    const Vec3d a = some_normal(best.along), b = cross(best.along, a);
     Directed next = best;
     for (const Vec3d& way : {a, -a, b, -b}) {
       const Vec3d n = normalised(best.along + step * way);

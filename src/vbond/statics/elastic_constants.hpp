@@ -23,6 +23,11 @@ struct Directed {
   Vec3d along;
 };
 
+/// The least and the largest of a quantity over some directions.
+struct Extremes {
+  Directed least, largest;
+};
+
 /// Speeds of plane waves along a direction, with the directions in which particles then move.  [length/time]
 using WaveSpeeds = std::array<Directed, 3>;
 
@@ -55,6 +60,11 @@ class ElasticConstants {
   /// By what part of the stretch along the one the body thins along the other, which is made normal to it.
   double poissons_ratio(const Vec3d& along, const Vec3d& across) const;
   double shear_modulus(const Vec3d& a, const Vec3d& b) const;  ///< in their plane; b is made normal to a
+  /// The least and the largest shear_modulus(along, m) and poissons_ratio(along, m) over all m across; the
+  /// directions are such m. Exact: n being held, 1/G and nu are quadratic in m, and so over the angle t of m
+  /// about n they are a + b cos 2t + c sin 2t.  [force/length^2], [1]
+  Extremes shear_moduli(const Vec3d& along) const;
+  Extremes poissons_ratios(const Vec3d& along) const;
   /// The least and the largest of all directions: of 10,000, and then downhill (1e-8 of the value).
   Directed least_youngs_modulus() const { return extreme(false); }
   Directed largest_youngs_modulus() const { return extreme(true); }
