@@ -144,4 +144,13 @@ Case keep_inputs(Case& c, const fs::path& folder, const std::vector<fs::path>& o
   return written;
 }
 
+bool reads_the_same(Case& c, Case other) {
+  const std::vector<fs::path*> files = files_of(c), copies = files_of(other);
+  if (files.size() != copies.size()) return false;
+  for (std::size_t k = 0; k < files.size(); ++k)
+    if (!have_same_content(*files[k], *copies[k])) return false;
+  for (std::size_t k = 0; k < files.size(); ++k) *files[k] = fs::path(inputs_folder) / copies[k]->filename();
+  return true;
+}
+
 }  // namespace vbond::app

@@ -19,4 +19,8 @@ std::vector<std::filesystem::path> copies_in(const std::filesystem::path& folder
 /// removed; any other file keeps its place and content. Throws IoError.
 Case keep_inputs(Case& c, const std::filesystem::path& folder, const std::vector<std::filesystem::path>& old);
 
+/// Whether a case reads files with the same content as another one, whose files are copies in its folder; it
+/// then has the names of these copies, relative to that folder. Throws IoError.
+bool reads_the_same(Case& c, Case other);
+
 }  // namespace vbond::app

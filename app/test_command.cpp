@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "campaign.hpp"
+#include "inputs.hpp"
 #include "prepare.hpp"
 #include "processes.hpp"
 #include "shell.hpp"
@@ -31,7 +32,7 @@ using labtest::Kind;
 [[noreturn]] void refuse_folder(const fs::path& folder) {
   throw CaseError({{},
                    folder.string() + " already exists and is not empty",
-                   "a test writes a folder of its own, or evaluates the run of the same test again",
+                   "a test writes a folder of its own, or evaluates the run of the same body and test again",
                    "choose another one with -o, or remove it"});
 }
 
@@ -46,12 +47,32 @@ fs::path folder_of(const RunOptions& options, const TestOptions& test) {
   return folder;
 }
 
+/// What the tests of one call have in common.
+struct Call {
+  const RunOptions& options;
+  const TestOptions& test;
+  Case c;
+  std::string title, command;
+};
+
+/// Whether the case of a folder is that of this test: body, bonds, files that they read, and the test itself.
+bool is_case_of(const fs::path& folder, const Call& call, const labtest::MadeTest& made) {
+  try {
+    const fs::path file = folder / "test.toml";
+    Case c = call.c;
+    return reads_the_same(c, read_case(file)) &&
+           labtest::case_text(c, made, call.title, call.command) == read_all(file);
+  } catch (const CaseError&) {
+    return false;
+  }
+}
+
 /// Whether there is a run of this test. Throws CaseError if it is that of another one, or not complete.
-bool has_run(const fs::path& folder, const labtest::MadeTest& made, const std::string& command) {
+bool has_run(const fs::path& folder, const Call& call, const labtest::MadeTest& made) {
   std::error_code e;
   if (!fs::exists(folder, e) || fs::is_empty(folder, e)) return false;
   if (!fs::exists(folder / "run", e) || !fs::exists(folder / "test.toml", e) ||
-      !labtest::is_case_text(read_all(folder / "test.toml"), made, command))
+      !is_case_of(folder, call, made))
     refuse_folder(folder);
   const fs::path run = folder / "run";
   if (read_status(run).state != RunState::complete)
@@ -63,19 +84,11 @@ bool has_run(const fs::path& folder, const labtest::MadeTest& made, const std::s
   return true;
 }
 
-/// What the tests of one call have in common.
-struct Call {
-  const RunOptions& options;
-  const TestOptions& test;
-  Case c;
-  std::string title, command;
-};
-
 /// Writes the case of one test into a new folder, runs it, says what follows. The exit status, and the result
 /// of a test that came to its end.
 std::pair<int, std::optional<labtest::TestResult>> make_and_run(Call& call, const labtest::MadeTest& made,
                                                                 const fs::path& folder) {
-  if (has_run(folder, made, call.command)) {
+  if (has_run(folder, call, made)) {
     fmt::print("its run is complete, and is evaluated: {}\n", (folder / "run").string());
   } else {
     const TestText text{call.title, call.command, call.test.verbose ? Prints::everything : Prints::failures};

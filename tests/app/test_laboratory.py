@@ -180,6 +180,10 @@ def test_a_run_that_is_there_is_evaluated(work):
     assert again == first
     said.expect(out="is evaluated")
     vbond("test tension body.toml -o kept --drop 0.2", status=2, err="already exists")
+    # nor is the run of another body that of this one
+    write("body.toml", BAR.replace("axial_force = 1e-3", "axial_force = 2e-3"))
+    vbond("test tension body.toml -o kept", status=2, err="already exists")
+    write("body.toml", BAR)
     status = Path("kept/run/status.json")
     status.write_text(status.read_text().replace('"complete"', '"interrupted"'))
     vbond("test tension body.toml -o kept", status=2, err=["is not complete", "vbond resume kept/run"])
@@ -267,12 +271,46 @@ def test_moduli_of_a_body_that_cracks_early(work):
     assert not any("cracks" in n for n in strong["notes"])
 
 
+# c_A = 1 and a = 1: stresses are forces of bonds.
+@pytest.mark.parametrize("folder, rule, strength, strain, broken", [
+    # the force is u - 20 u^2, and still grows where bonds break: there is no balance after the first
+    ("cubic", 'stretching = {form = "cubic", k3 = -20.0, k4 = 0.0}\nstrength = {criterion = "elongation", elongation = 0.02}', 0.012, 0.02, True),
+    # 9 bonds in a row let go more energy than softening takes: 2 E G_f / s^2 = 5
+    ("softens", 'softening = {tension = 0.002, fracture_energy = 1e-5, section = {shape = "square", side = 1.0}}', 0.002, 0.002, False),
+    # Morse: c_A / (4 alpha) at ln 2 / alpha
+    ("morse", 'stretching = {form = "morse", alpha = 60.0}\nstrength = {criterion = "elongation", elongation = 0.1}', 1 / 240, math.log(2) / 60, False)])
+def test_a_strength_without_a_balance_after_it(work, folder, rule, strength, strain, broken):
+    _, r = test_case("tension", re.sub("strength = .*", lambda _: rule, BAR), folder=folder)
+    assert near(r["strength"], strength, 1e-6) and near(r["peak"]["strain"], strain, 1e-3)
+    assert (r["breaks"] > 0) == broken and (r["first_break"] is not None) == broken
+    assert any("lost stability" in n for n in r["notes"]) and not any("it has buckled, and" in n for n in r["notes"])
+
+
+def test_motion_of_bonds_that_yield_or_creep(work):
+    # Beyond 0.002 the slope is that of the bond and its hardening in series, 0.25/1.25: the curve bends where E is measured.
+    text = BAR.replace("strength =", "yield = {axial_force = 0.002, isotropic = {axial = 0.25}}\nstrength =").replace("axial_force = 1e-3", "axial_force = 6e-3")
+    _, r = test_case("tension", text, "--motion", folder="yields")
+    bend = next(n for n in r["notes"] if "a curve that bends" in n)
+    first, second = (float(x) for x in re.search(r"from (\S+) to (\S+) between", bend).groups())
+    assert near(first, 1, 0.05) and near(second, 0.2, 0.2)
+    # A Maxwell bond bears no more than its viscosity times the rate, which the test has chosen.
+    text = BAR.replace("strength =", "creep = {viscosity = 200}\nstrength =").replace("axial_force = 1e-3", "axial_force = 0.1")
+    said, r = test_case("tension", text, "--motion", "--strain", "0.02", folder="creeps")
+    assert near(r["largest"]["stress"], 200 * float(re.search(r"in motion, (\S+) of", said.out)[1]), 0.01)
+    assert any("bonds creep" in n and "--rate" in n for n in r["notes"])
+    _, r = test_case("tension", BAR, "--motion", "--strain", "2e-3", folder="plain")
+    assert not any("bends" in n or "creep" in n for n in r["notes"])
+
+
 def test_files_of_the_case_go_along(work):
     rows = [f"{x},{y},{z}" for x in range(3) for y in range(3) for z in range(5)]
     write("points.csv", "x,y,z\n" + "\n".join(rows) + "\n")
     text = re.sub('kind = "block"\ncells = .*\nspacing = 1.0', 'kind = "csv"\nfile = "points.csv"', BAR)
     _, r = test_case("tension", text, folder="copied")
     assert near(r["E"], 1, 1e-7)
+    vbond("test tension body.toml -o copied", out="is evaluated")
+    write("points.csv", "x,y,z\n" + "\n".join(rows[:-1] + ["2,2,4.001"]) + "\n")
+    vbond("test tension body.toml -o copied", status=2, err="already exists")
     Path("points.csv").unlink()
     Path("copied").rename("moved")
     vbond("run moved/test.toml -o again_moved")

@@ -15,15 +15,13 @@
 namespace vbond::labtest {
 namespace {
 
-/// By how much a test in motion is slower than waves in the body: its platens move at this part of the strain
-/// times their speed.
+/// In motion, platens move at this part of the strain times the speed of waves in the body.
 constexpr double slowness = 0.004;
 
 /// Strain at the end, and in motion its rate and how long it takes.
 void set_progress(const Body& body, MadeTest& test) {
   const Request& r = test.request;
-  test.breaks = body.can_break;
-  test.gives_way = body.gives_way;
+  test.breaks = body.can_break, test.gives_way = body.gives_way;
   test.middle = 0.5 * (body.box.low + body.box.high);
   test.across = body.across, test.third = body.third;
   test.end_strain = r.strain.value_or(body.can_break ? default_strain : elastic_strain);

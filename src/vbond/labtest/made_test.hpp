@@ -57,9 +57,6 @@ MadeTest make_test(const Body& body, const Request& request);
 std::string case_text(const Case& body, const MadeTest& test, const std::string& title,
                       const std::string& command);
 
-/// Whether this is the text of that case, up to the body.
-bool is_case_text(const std::string& text, const MadeTest& test, const std::string& command);
-
 /// What the case has besides body and bonds, and the test has not: a note, or nothing.
 std::optional<std::string> left_out(const Case& c);
 

@@ -154,16 +154,6 @@ std::string TestText::text(const MadeTest& test, const std::vector<std::string>&
   return text;
 }
 
-namespace {
-std::string first_line(const std::string& command) {
-  return "# Made by " + printable(command) + "\n";
-}
-}  // namespace
-
-bool is_case_text(const std::string& text, const MadeTest& test, const std::string& command) {
-  return text.starts_with(first_line(command)) && text.ends_with(test.text);
-}
-
 std::optional<std::string> left_out(const Case& c) {
   std::string names;
   const auto add = [&names](bool there, const char* name) {
@@ -195,7 +185,7 @@ std::string case_text(const Case& c, const MadeTest& test, const std::string& ti
     const std::size_t end = text.find("\n\n", begin + output.size());
     text.erase(begin, end == std::string::npos ? std::string::npos : end + 1 - begin);
   }
-  return first_line(command) +
+  return "# Made by " + printable(command) + "\n" +
          "# Body and bonds are those of the case, with all keys written out. Groups, stages and output at "
          "the end\n"
          "# are those of the test.\n" +
