@@ -107,7 +107,7 @@ void print_directions(const ElasticConstants& C, double density) {
 
 using Sentences = std::vector<std::string>;
 
-void print(const Sentences& sentences) {
+void print_lines(const Sentences& sentences) {
   for (const std::string& text : sentences) fmt::print("{}\n", text);
 }
 
@@ -136,7 +136,7 @@ Sentences remarks_on(const Homogenised& h) {
 
 void print(const Homogenised& h, const ElasticConstants* C, bool si) {
   const Sentences facts = facts_of(h, si);
-  print({facts[0]}), print(remarks_on(h)), print({facts[1]});
+  print_lines({facts[0]}), print_lines(remarks_on(h)), print_lines({facts[1]});
   fmt::print("\nC{}: xx yy zz yz xz xy, engineering shear\n", si ? " [Pa]" : "");
   print_constants(h.C);
   if (C == nullptr) return;
@@ -207,7 +207,7 @@ Sentences remarks_on(const HomogenisedSheet& h) {
 }
 
 void print(const HomogenisedSheet& h, bool si) {
-  print(facts_of(h, si)), print(remarks_on(h));
+  print_lines(facts_of(h, si)), print_lines(remarks_on(h));
   for (const auto& [title, unit, C] : {std::tuple{"A, membrane forces by strain", " [N/m]", &h.A},
                                        {"B, membrane forces by curvature", " [N]", &h.B},
                                        {"D, moments by curvature", " [N m]", &h.D}}) {
@@ -277,7 +277,7 @@ std::array<std::tuple<const char*, const char*, const Constants*>, 2> both(const
 }
 
 void print(const HomogenisedBody& h, const std::string& volume_is, bool si) {
-  print(facts_of(h, volume_is, si)), print(remarks_on(h));
+  print_lines(facts_of(h, volume_is, si)), print_lines(remarks_on(h));
   for (const auto& [key, title, C] : both(h)) {
     fmt::print("\nC{} if the surface {}: xx yy zz yz xz xy, engineering shear\n", si ? " [Pa]" : "", title);
     print_constants(*C);
