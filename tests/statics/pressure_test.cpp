@@ -137,8 +137,10 @@ std::vector<std::array<long double, 3>> plain_forces(const Pressure& p, const Pe
   }
   if (p.kind != PressureKind::central) return F;
   for (const ParticleId q : now.ids()) {
-    const V to = minus({p.centre.x, p.centre.y, p.centre.z}, place(now, q));
-    const long double size = length(F[q.value]);
+    const V centre{p.centre.x, p.centre.y, p.centre.z};
+    const V to = minus(centre, place(now, q)), first = minus(centre, place(found, q));
+    long double size = 0.0L;  // of what points to the centre where the particle was found
+    for (std::size_t x = 0; x < 3; ++x) size += F[q.value][x] * first[x] / length(first);
     for (std::size_t x = 0; x < 3; ++x) F[q.value][x] = size * to[x] / length(to);
   }
   return F;

@@ -201,7 +201,11 @@ inline constexpr auto state_table = std::tuple{
         field("i", &PressedFacet::i, unit::none, "their first particles"),
         field("j", &PressedFacet::j, unit::none, "their second particles"),
         field("k", &PressedFacet::k, unit::none, "their third particles; of strips the first again"),
-        field("area", &PressedFacet::area, unit::area, "vectors of their areas as the stage began")),
+        field("area", &PressedFacet::area, unit::area, "vectors of their areas as the stage began"),
+        field("towards", &PressedFacet::towards, unit::area,
+              "the parts of the areas of their particles that faced the centre as the stage began; only of "
+              "central pressures",
+              {.filed = Filed::where_any})),
     rows_of(
         "/grips/", &State::grips, {.anew = Anew::at_rest, .filed = Filed::where_any},
         field("pivot", &GripState::pivot, unit::length,

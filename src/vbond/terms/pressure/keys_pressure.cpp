@@ -43,8 +43,9 @@ void describe(Table& t, PressureSpec& s, std::optional<StageKind> kind) {
         ChoiceCodec<PressureKind>{{"follower", "dead", "central"},
                                   {PressureKind::follower, PressureKind::dead, PressureKind::central}},
         optional,
-        "follower: normal to the facets as they stand; dead: the forces of the start stay; central: they "
-        "keep their sizes and point to `centre`");
+        "follower: normal to the facets as they stand; dead: the forces of the start stay; central: the "
+        "parts of "
+        "them that point to `centre` keep their sizes, and follow the way to it");
   t.when(s.kind == PressureKind::central, "kind = \"central\"",
          [&] { t.key("centre", s.centre, vector_of(length), required, "where forces > 0 point to"); });
   t.when(s.surface == strips, "surface = \"strips\"", [&] { describe_strips(t, s); });

@@ -20,27 +20,43 @@ std::vector<ParticleId> corners_of(const Facet& f) {
   return f.is_strip() ? std::vector<ParticleId>{f.i, f.j} : std::vector<ParticleId>{f.i, f.j, f.k};
 }
 
+/// What points along the radius alone: so a half that is cut at a plane of symmetry is pressed as the whole.
+Vec3d parts_towards_centre(const Pressure& pressure, const Facet& f, const Vec3d& area,
+                           const PerParticle<Vec3d>& r) {
+  if (pressure.kind != PressureKind::central) return {};
+  const auto part = [&](ParticleId p) {
+    const Vec3d way = between(r[p], pressure.centre);
+    return -dot(area, way) / (norm(way) * f.corners());
+  };
+  return {part(f.i), part(f.j), f.is_strip() ? 0.0 : part(f.k)};
+}
+
 }  // namespace
 
 std::vector<PressedFacet> facets_as_found(const std::vector<Pressure>& pressures,
                                           const PerParticle<Vec3d>& r) {
   std::vector<PressedFacet> all;
   for (std::uint32_t k = 0; k < pressures.size(); ++k)
-    for (const Facet& f : pressures[k].facets)
-      all.push_back({k, f.i, f.j, f.k, area_of(f, pressures[k].across, places(r))});
+    for (const Facet& f : pressures[k].facets) {
+      const Vec3d area = area_of(f, pressures[k].across, places(r));
+      all.push_back({k, f.i, f.j, f.k, area, parts_towards_centre(pressures[k], f, area, r)});
+    }
   return all;
 }
 
 bool belong_to(const std::vector<PressedFacet>& facets, const std::vector<Pressure>& pressures) {
   std::vector<std::size_t> count(pressures.size(), 0);
+  std::vector<char> points(pressures.size(), 0);
   for (const PressedFacet& f : facets) {
     if (f.pressure >= pressures.size()) return false;
+    if (f.towards != Vec3d{}) points[f.pressure] = 1;
     const std::vector<Facet>& named = pressures[f.pressure].facets;
     const std::size_t number = count[f.pressure]++;
     if (!named.empty() && (number >= named.size() || named[number] != f.facet())) return false;
   }
   for (std::size_t k = 0; k < pressures.size(); ++k)
-    if (count[k] == 0 || (!pressures[k].facets.empty() && count[k] != pressures[k].facets.size()))
+    if (count[k] == 0 || (!pressures[k].facets.empty() && count[k] != pressures[k].facets.size()) ||
+        (pressures[k].kind == PressureKind::central && points[k] == 0))
       return false;
   return true;
 }
@@ -77,14 +93,19 @@ SurfaceSize size_of(const std::vector<Facet>& facets, const Vec3d& across, const
 
 PressedSurfaces::PressedSurfaces(const std::vector<Pressure>& pressures, std::vector<PressedFacet> facets)
     : pressures_(&pressures), facets_(std::move(facets)) {
-  std::vector<std::tuple<ParticleId, std::uint32_t, std::size_t>> all;
-  for (std::size_t k = 0; k < facets_.size(); ++k)
-    for (const ParticleId p : corners_of(facets_[k].facet())) all.emplace_back(p, facets_[k].pressure, k);
+  std::vector<std::tuple<ParticleId, std::uint32_t, std::size_t, double>> all;
+  for (std::size_t k = 0; k < facets_.size(); ++k) {
+    const PressedFacet& f = facets_[k];
+    all.emplace_back(f.i, f.pressure, k, f.towards.x);
+    all.emplace_back(f.j, f.pressure, k, f.towards.y);
+    if (!f.facet().is_strip()) all.emplace_back(f.k, f.pressure, k, f.towards.z);
+  }
   std::sort(all.begin(), all.end());
-  for (const auto& [p, pressure, facet] : all) {
+  for (const auto& [p, pressure, facet, towards] : all) {
     if (shares_.empty() || shares_.back().p != p || shares_.back().pressure != pressure)
       shares_.push_back({p, pressure, of_shares_.size(), of_shares_.size(), {}});
     shares_.back().dead -= facets_[facet].area / facets_[facet].facet().corners();
+    shares_.back().towards += towards;
     of_shares_.push_back(facet);
     ++shares_.back().last;
   }
@@ -99,7 +120,8 @@ double lambda_of_pressures(const std::vector<Pressure>& pressures, const PerPart
     double factor = std::abs(of.factor(duration));
     for (const TimeFunction::Point& p : of.factor.points) factor = std::max(factor, std::abs(p.factor));
     const double p = factor * std::abs(of.pressure);
-    if (of.kind == PressureKind::central) row[s.p] += p * norm(s.dead) / norm(between(r[s.p], of.centre));
+    if (of.kind == PressureKind::central)
+      row[s.p] += p * std::abs(s.towards) / norm(between(r[s.p], of.centre));
   }
   for (const PressedFacet& f : surfaces.facets()) {
     const Pressure& of = pressures[f.pressure];

@@ -43,6 +43,7 @@ class PressedSurfaces {
     std::uint32_t pressure = 0;
     std::size_t first = 0, last = 0;  ///< of its facets, in facets_of_shares()
     Vec3d dead;                       ///< the force as the stage began  [length^2]
+    double towards = 0;               ///< what of it pointed to the centre, of central pressures  [length^2]
   };
 
   PressedSurfaces() = default;
@@ -62,7 +63,7 @@ class PressedSurfaces {
     if (pressure.kind == PressureKind::dead) return s.dead;
     if (pressure.kind == PressureKind::central) {
       const Vec3d to_centre = between(at(s.p), pressure.centre);
-      return norm(s.dead) / norm(to_centre) * to_centre;
+      return s.towards / norm(to_centre) * to_centre;
     }
     Vec3d sum;
     for (std::size_t k = s.first; k < s.last; ++k) {
@@ -94,8 +95,8 @@ class PressedSurfaces {
       const Pressure& pressure = (*pressures_)[s.pressure];
       if (pressure.kind == PressureKind::dead) work[s.pressure] += dot(s.dead, between(from(s.p), to(s.p)));
       if (pressure.kind == PressureKind::central)
-        work[s.pressure] += norm(s.dead) * (norm(between(from(s.p), pressure.centre)) -
-                                            norm(between(to(s.p), pressure.centre)));
+        work[s.pressure] +=
+            s.towards * (norm(between(from(s.p), pressure.centre)) - norm(between(to(s.p), pressure.centre)));
     }
     return work;
   }

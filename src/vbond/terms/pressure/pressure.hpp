@@ -23,13 +23,14 @@ struct Facet {
 struct PressedFacet {
   std::uint32_t pressure = 0;  ///< which one of the stage
   ParticleId i, j, k;
-  Vec3d area;  ///< [length^2]
+  Vec3d area;     ///< [length^2]
+  Vec3d towards;  ///< of central pressures: how far the parts of i, j, k point to the centre  [length^2]
   Facet facet() const { return {i, j, k}; }
   friend bool operator==(const PressedFacet&, const PressedFacet&) = default;
 };
 
-/// follower: along the areas of now. dead: the forces stay those of the start. central: they keep their
-/// sizes, and point to a fixed place.
+/// follower: along the areas of now. dead: the forces stay those of the start. central: the parts
+/// of these that point to a fixed place keep their sizes, and follow the way to it.
 enum class PressureKind : std::uint8_t { follower, dead, central };
 
 /// A pressure on facets, which stay the same in a stage and follow their particles.

@@ -124,7 +124,7 @@ void RestPressure::add_stiffness(StiffnessSum& to) const {
     const Pressure& pressure = surfaces_.pressure(s.pressure);
     if (pressure.kind != PressureKind::central) continue;
     const Vec3d d = between(pressure.centre, state_.r[s.p]);
-    const double distance = norm(d), k = at(s.pressure, body_.load_factor()) * norm(s.dead) / distance;
+    const double distance = norm(d), k = at(s.pressure, body_.load_factor()) * s.towards / distance;
     const Eigen::Vector3d n(d.x / distance, d.y / distance, d.z / distance);
     const Eigen::Matrix3d K = k * (Eigen::Matrix3d::Identity() - n * n.transpose());
     if (const Vec3d went = body_.held_rate(s.p).shift; went != Vec3d{}) push(s.p, -times(K, went), to);

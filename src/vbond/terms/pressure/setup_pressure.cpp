@@ -260,6 +260,7 @@ class FacetFinder {
   void refuse_no_centre(FoundFacets& found) const {
     Pressure central;
     central.facets = found.facets, central.across = across_of(spec_);
+    central.kind = PressureKind::central, central.centre = spec_.centre;
     const std::vector<Pressure> alone{central};
     const PressedSurfaces surface(alone, facets_as_found(alone, state_.r));
     const auto way = [&](ParticleId p) { return between(state_.r[p], spec_.centre); };
@@ -273,7 +274,7 @@ class FacetFinder {
             {},
             fmt::format("particle {} is at the centre, where a central force has no direction", s.p.value),
             "move the centre, or use kind = \"dead\""};
-      else if (dot(s.dead, way(s.p)) < -rounding * norm(s.dead) * distance)
+      else if (s.towards < -rounding * norm(s.dead))
         found = {{},
                  fmt::format("at particle {} the surface faces the centre: a central force would push the "
                              "other way than the pressure",
