@@ -1,7 +1,8 @@
 // Packings of spheres in a periodic cell: what came out, beside what literature has; time and memory.
-// Usage: packings SIZES UNTIL [grains = 10000] [seeds = 10] [threads = 1] [overlap = 1e-3] [first seed = 1]
+// Usage: packings SIZES UNTIL [grains = 10000] [seeds = 10] [threads = 1] [overlap] [first seed = 1]
 // SIZES: equal, uniform (radii within a quarter of the mean), lognormal (deviation of ln R: 0.3)
 // UNTIL: jammed, or a porosity
+// overlap: 1e-3; of jammed grains 0, which lets them just touch
 #include <fmt/format.h>
 #include <sys/resource.h>
 
@@ -10,6 +11,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -68,11 +70,13 @@ int run(int count, char** words) {
   q.vessel.edges = {Vec3d{edge, 0, 0}, Vec3d{0, edge, 0}, Vec3d{0, 0, edge}};
   q.vessel.periodic = {true, true, true};
   for (const Vec3d& e : q.vessel.edges) q.vessel.cell.push_back({e, {}, {}, {}});
-  q.threads = std::stoi(word(5, "1")), q.overlap = std::stod(word(6, "1e-3"));
+  q.threads = std::stoi(word(5, "1"));
+  const double overlap = std::stod(word(6, jammed ? "0" : "1e-3"));
   if (jammed)
-    q.until = UntilJammed{static_cast<std::size_t>(grains)};
+    q.until =
+        UntilJammed{static_cast<std::size_t>(grains), overlap > 0.0 ? std::optional(overlap) : std::nullopt};
   else
-    q.until = ToPorosity{porosity};
+    q.until = ToPorosity{porosity}, q.overlap = overlap;
   Mean density, off, contacts_off, rattlers, seconds, iterations;
   for (int seed = first_seed; seed < first_seed + seeds; ++seed) {
     q.seed = static_cast<std::uint64_t>(seed);

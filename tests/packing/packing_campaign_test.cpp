@@ -113,7 +113,7 @@ Plan plan_of(unsigned seed) {
   else if (what < 0.9)
     p.q.until = ToNumber{dice.count(1, 260)};
   else
-    p.q.until = UntilJammed{};
+    p.q.until = dice.chance(0.5) ? UntilJammed{} : UntilJammed{{}, p.q.overlap};
   if (dice.chance(0.2)) p.q.floaters = dice.one_of({Floaters::remove, Floaters::grow}), p.q.neighbours = 3;
   return p;
 }

@@ -105,7 +105,8 @@ void describe(Table& t, PackingSpecimen& s) {
   t.key("jammed", s.jammed, FlagCodec{}, optional,
         "grains grow until they lock, and shrink until they just touch; with particles, so many of them, "
         "without, as many as leaves their sizes as asked");
-  t.key("overlap", s.overlap, NumberCodec{pure, {0, 0.2, false, false}}, optional,
+  t.key("overlap", s.overlap, NumberCodec{pure, {0, 0.2, false, false}},
+        default_is("1e-3; with jammed grains just touch"),
         "largest overlap that may be left, over the smaller radius");
   t.key("floaters", s.floaters,
         ChoiceCodec<FloatingGrains>{{"keep", "remove", "grow"},
@@ -121,6 +122,9 @@ void describe(Table& t, PackingSpecimen& s) {
           {"porosity", "particles", "jammed", "kind"},
           "exactly one of porosity, particles and jammed is required; jammed may have particles too",
           "write for example porosity = 0.4");
+  t.check(!s.jammed || !s.overlap || *s.overlap >= 1e-6, {"overlap"},
+          "grains that are jammed cannot be told to overlap by less than 1e-6",
+          "leave it out: they then just touch, in good balance");
   t.check(!s.grains.empty() || !t.reading(), {"grains", "kind"}, "there must be a kind of grains",
           "write for example grains = [{ radius = 1.0 }]");
   std::set<std::string> names;

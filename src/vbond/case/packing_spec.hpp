@@ -57,7 +57,8 @@ struct PackingSpecimen {
   std::optional<double> porosity;         ///< one of porosity, particles and jammed; or the last two
   std::optional<std::int64_t> particles;  ///< > 0
   bool jammed = false;
-  double overlap = 1e-3;  ///< at most, of the smaller radius
+  /// At most, of the smaller radius. None: 1e-3, and grains that are jammed just touch.
+  std::optional<double> overlap;
   FloatingGrains floaters = FloatingGrains::keep;
   std::int64_t neighbours = 3;  ///< fewer: a floater
   double gap = 1.05;            ///< within which, a factor of the sum of radii

@@ -227,7 +227,7 @@ class Packer {
                                 room_));
     for (int round = 0;; ++round) {
       constexpr double near = 0.003;
-      Packing p = lock(guess);
+      Packing p = lock(guess, until.overlap);
       if (until.grains || round == 3 || std::abs(p.size_factor - 1.0) < near) return p;
       guess = volume_of(p.radius) / volume_;
       const double wanted = guess * volume_ / mean_volume(q_);
@@ -236,12 +236,12 @@ class Packer {
     }
   }
 
-  /// Lets them grow to beyond where they lock, and shrink to where they just touch, held by less and less
-  /// pressure.
-  Packing lock(double guess) {
-    constexpr double beyond = 0.011, at_last = 7e-7, least_change = 0.3;
+  /// Lets them grow to beyond where they lock, and shrink until they just touch, or overlap by no more than
+  /// they may, held by less and less pressure. What overlaps need not be as well in balance.
+  Packing lock(double guess, std::optional<double> overlap) {
+    constexpr double beyond = 0.011, at_last = 7e-7, least_change = 0.3, roughly = 1e-2;
     SoftSpheres s = put_in();
-    RelaxGoal goal{0.0, 1e-5, 0.0, 1e-2, 1'000'000};
+    RelaxGoal goal{0.0, 1e-5, 0.0, roughly, 1'000'000};
     Relaxed x;
     constexpr int most_tries = 10;
     for (int tries = 1; !x.balanced && tries <= most_tries; ++tries) {
@@ -250,13 +250,14 @@ class Packer {
     }
     goal.mean_overlap = 0.0;
     while (x.balanced) {
-      if (x.mean_overlap < 1.5 * at_last) {
-        touching_ = at_last * 2.0 * s.scale() * mean_of(grains_.radius);
+      if (overlap ? x.largest_overlap <= *overlap : x.mean_overlap < 1.5 * at_last) {
+        if (!overlap) touching_ = at_last * 2.0 * s.scale() * mean_of(grains_.radius);
         return result(s, x);
       }
-      const double change = std::max(least_change, at_last / x.mean_overlap);
+      const double wanted = overlap ? 0.8 * *overlap / x.largest_overlap : at_last / x.mean_overlap;
+      const double change = std::max(least_change, wanted);
       goal.growth = change * x.growth;
-      goal.unbalanced = change * x.mean_overlap < 1.5 * at_last ? 3e-4 : 1e-3;
+      if (!overlap) goal.unbalanced = change * x.mean_overlap < 1.5 * at_last ? 3e-4 : 1e-3;
       s.set_scale(s.scale() * (1.0 - slope * (1.0 - change) * x.mean_overlap));
       x = s.relax(goal);
     }

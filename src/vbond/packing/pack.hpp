@@ -33,6 +33,9 @@ struct ToNumber {
 /// touch. Without a number they are as many as leaves their sizes as asked, to about a third of a percent.
 struct UntilJammed {
   std::optional<std::size_t> grains{};
+  /// The largest that may be left, over the smaller radius. None: they just touch, so that contacts can be
+  /// counted, which takes many times as long.
+  std::optional<double> overlap{};
 };
 enum class Floaters : std::uint8_t { keep, remove, grow };
 
@@ -41,7 +44,7 @@ struct Request {
   std::vector<Kind> kinds;
   ShareBy share_by = ShareBy::volume;
   std::variant<ToPorosity, ToNumber, UntilJammed> until;
-  double overlap = 1e-3;  ///< the largest that may be left, over the smaller radius
+  double overlap = 1e-3;  ///< the largest that may be left, over the smaller radius; but see UntilJammed
   /// What becomes of grains with fewer neighbours than `neighbours` within `gap`, a factor of the sum of
   /// radii.
   Floaters floaters = Floaters::keep;

@@ -59,13 +59,13 @@ packing::Request request_of(const PackingSpecimen& s, double density, int thread
     case FloatingGrains::grow: q.floaters = packing::Floaters::grow; break;
   }
   if (s.jammed)
-    q.until = packing::UntilJammed{s.particles ? std::optional(static_cast<std::size_t>(*s.particles))
-                                               : std::nullopt};
+    q.until = packing::UntilJammed{
+        s.particles ? std::optional(static_cast<std::size_t>(*s.particles)) : std::nullopt, s.overlap};
   else if (s.particles)
     q.until = packing::ToNumber{static_cast<std::size_t>(*s.particles)};
   else
     q.until = packing::ToPorosity{s.porosity.value_or(0.0)};
-  q.overlap = s.overlap;
+  q.overlap = s.overlap.value_or(q.overlap);
   q.neighbours = static_cast<int>(s.neighbours);
   q.gap = s.gap;
   q.seed = s.seed;
