@@ -100,6 +100,11 @@ void find_peak(const MadeTest& test, const std::vector<Row>& rows, std::size_t p
                          result.ended == "peak";  // in motion: by the force on the upper end
   if (most.stress > 0.0 && (collapsed || least_after <= (1.0 - test.request.drop) * most.stress)) {
     const bool unstable = result.ended == "lost stability";
+    if (result.ended == "parted" && least_after > (1.0 - test.request.drop) * most.stress)
+      result.notes.push_back(fmt::format(
+          "the test ended where loads drive off a part that nothing holds, with {:.2g} of the largest "
+          "stress left: the strength may be larger; the message of the run names the part",
+          least_after / most.stress));
     if (!unstable || result.breaks > 0 || test.gives_way) result.peak = most;
     if (unstable && result.breaks == 0 && test.gives_way)
       result.notes.push_back(

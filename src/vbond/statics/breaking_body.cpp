@@ -13,6 +13,21 @@
 namespace vbond {
 namespace {
 
+/// Whether a motion is that of a particle, of a piece with no more than a hundredth of the mass, or of what
+/// is left of the body, which the pressure on these no longer balances. Others are halves of a body that
+/// parts.
+bool is_of_a_chip(const StaticBody& body, const SparseMatrix& motions, Eigen::Index which) {
+  constexpr double small = 0.01, most_of_it = 0.5;  // of the mass
+  const PerParticle<double>& mass = body.model().mass;
+  PerParticle<char> moves(mass.size(), 0);
+  for (SparseMatrix::InnerIterator entry(motions, which); entry; ++entry)
+    moves[body.unknowns().place(static_cast<int>(entry.row())).particle] = 1;
+  double all = 0.0, of_these = 0.0;
+  for (const ParticleId p : mass.ids()) all += mass[p], of_these += moves[p] != 0 ? mass[p] : 0.0;
+  return of_these <= small * all || of_these > most_of_it * all ||
+         std::count(moves.begin(), moves.end(), 1) == 1;
+}
+
 bool same_place(const Placement& a, const Placement& b) {
   return a.load_factor == b.load_factor && a.r == b.r && a.q == b.q && a.cell == b.cell;
 }
@@ -180,15 +195,21 @@ std::optional<std::string> BreakingBody::hold_free_parts() {
   const RigidMotions free =
       free_rigid_motions(model_, body_->state(), body_->unknowns(), body_->terms().walls.holds(false));
   if (free.names.empty()) return std::nullopt;
+  bool is_pressed = false;
   for (const double factor : {0.0, stage_->fracture.end}) {
     const Vector loads = body_->applied(factor), along = free.basis.transpose() * loads;
-    for (Eigen::Index k = 0; k < along.size(); ++k)
-      if (std::abs(along[k]) > nothing * loads.norm()) return first_of(free.names);
+    const Vector not_pressing = free.basis.transpose() * body_->applied_loads_alone(factor);
+    for (Eigen::Index k = 0; k < along.size(); ++k) {
+      const auto drives = [&](double load) { return std::abs(load) > nothing * loads.norm(); };
+      if (!drives(along[k])) continue;
+      if (drives(not_pressing[k]) || !is_of_a_chip(*body_, free.basis, k)) return first_of(free.names);
+      is_pressed = true;
+    }
   }
   tell(*stage_, hooks_,
        fmt::format(
-           "load factor {:.6g}: nothing holds a part any more, which is held where it is from now on: {}",
-           load_factor(), first_of(free.names)));
+           "load factor {:.6g}: nothing holds a part any more, which is held where it is from now on{}: {}",
+           load_factor(), is_pressed ? ", and bears what pressure drives it" : "", first_of(free.names)));
   for (const int unknown : holding_unknowns(free.basis)) {
     const auto [particle, dof] = body_->unknowns().place(unknown);
     if (body_->unknowns().arm(particle) != nullptr) {

@@ -198,6 +198,8 @@ class StaticBody {
   std::optional<std::string> fault_of_terms() const;
   /// Loads at this load factor, on the free unknowns.  [force]
   Vector applied(double load_factor) const;
+  /// Of these what is not of terms: point loads and gravity.
+  Vector applied_loads_alone(double load_factor) const { return on_unknowns(applied_loads(load_factor)); }
   /// The bond is there no more.
   void break_bond(BondId k, BreakMode mode);
   /// What rounding may make of it.  [energy]
