@@ -27,9 +27,9 @@ void take_spring_out(SparseMatrix& A, int p, int q) {
   A.coeffRef(p, q) += 1.0, A.coeffRef(q, p) += 1.0;
 }
 
-// Without one spring after the other M stays the matrix itself: conjugate gradients then take one iteration,
-// two solutions, each of hardly more than its price. Residuals in the norm of M^-1 are as small in size but
-// for the root of its condition number, some 30.
+// Without one spring after the other M stays the matrix itself, but for single precision, some 1e-6 of it:
+// conjugate gradients then take two iterations, three solutions, each of hardly more than its price.
+// Residuals in the norm of M^-1 are as small in size but for the root of its condition number, some 30.
 TEST(KeptFactor, FollowsSpringsThatBreak) {
   Kept k(10);
   SparseMatrix A = k.A;
@@ -42,14 +42,14 @@ TEST(KeptFactor, FollowsSpringsThatBreak) {
     const auto x = k.kept.solve(A, b, 1e-10);
     ASSERT_TRUE(x);
     EXPECT_LE((A * *x - b).norm(), 30e-10 * b.norm());
-    EXPECT_LT(k.kept.spent() - before, 2.5);
+    EXPECT_LT(k.kept.spent() - before, 3.5);
     EXPECT_TRUE(k.kept.shows_definite(A));
   }
 }
 
 // Columns together are what each is alone, a zero one and one that has ended early among them. Springs
 // between half as stiff and twice as stiff: the eigenvalues of M^-1 A lie between 1/2 and 2, so that the
-// residual falls by 3 in each iteration at least, and 1e-10 takes 22.
+// residual falls by 3 in each iteration at least, and 1e-10 takes 22, each at the price of three columns.
 TEST(KeptFactor, SolvesColumnsTogether) {
   Kept k(8);
   SparseMatrix A = k.A;
@@ -64,19 +64,53 @@ TEST(KeptFactor, SolvesColumnsTogether) {
   DenseMatrix B = DenseMatrix::Zero(size, 3);
   B.col(0) = random_vector(size, 5);
   B.col(2) = A * Vector::Ones(size);
+  constexpr double price = 1.4;
   const double before = k.kept.spent();
   const DenseMatrix none = DenseMatrix::Zero(size, 3);
   const auto X = k.kept.solve_columns(A, B, none, 1e-10);
   ASSERT_TRUE(X);
   EXPECT_LE((A * *X - B).norm(), 30e-10 * B.norm());
   EXPECT_EQ(X->col(1).norm(), 0.0);
-  EXPECT_LE(k.kept.spent() - before, 24.0);
+  EXPECT_LE(k.kept.spent() - before, 24.0 * price);
   const double first = k.kept.spent();
   const auto again = k.kept.solve_columns(A, 1.001 * B, *X, 1e-10);  // 1e-3 is left of B: a third less to do
   ASSERT_TRUE(again);
   EXPECT_LE((A * *again - 1.001 * B).norm(), 30e-10 * B.norm());
-  EXPECT_LE(k.kept.spent() - first, 18.0);
+  EXPECT_LE(k.kept.spent() - first, 18.0 * price);
   EXPECT_FALSE(k.kept.solve_columns(-A, B, none, 1e-10)) << "not definite";
+}
+
+// A free body of n unknowns, each on a soft spring s of its own. As a whole it moves against n s, so that L^T
+// of that movement is of length sqrt(n s). Rounding of entries of L, some ten of size 1 in a column, by 2^-25
+// in the mean adds about sqrt(10 n) 2^-25 to it. That is a part of 1e-4 for the first s, less than what is
+// near enough, and of 0.3 for the other: there the factor itself is used.
+TEST(KeptFactor, IsNotRoundedWhereThatMattersMuch) {
+  for (const double soft : {1e-6, 0x1p-43}) {
+    SparseMatrix A = lattice(10, 10, 10, false);
+    A.diagonal().array() += soft;
+    Factor factor;
+    factor.analyse(A);
+    ASSERT_TRUE(factor.factor_definite(A));
+    SingleFactor rounded;
+    ASSERT_TRUE(factor.copy_to(rounded));
+    KeptFactor kept(factor);
+    kept.begin(A);
+    const Vector b = random_vector(static_cast<int>(A.rows()), 3);
+    EXPECT_EQ(kept.solve_roughly(b), soft < 1e-6 ? factor.solve(b) : Vector(rounded.solve(b))) << soft;
+  }
+}
+
+// The solution beside a proof is that of a factor. A matrix that is not definite has none.
+TEST(KeptFactor, SolvesBesideAProof) {
+  Kept k(8);
+  SparseMatrix A = k.A;
+  A.diagonal().array() += 0.1;
+  const Vector b = random_vector(static_cast<int>(A.rows()), 7);
+  const auto x = k.kept.solve_if_definite(A, b, 1e-10);
+  ASSERT_TRUE(x);
+  EXPECT_LE((A * *x - b).norm(), 30e-10 * b.norm());
+  A.coeffRef(100, 100) = -1.0;
+  EXPECT_FALSE(k.kept.solve_if_definite(A, b, 1e-10));
 }
 
 // A matrix that has moved away everywhere is solved with, and is shown to be definite as long as it is: the

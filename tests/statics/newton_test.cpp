@@ -67,15 +67,20 @@ TEST(TangentSolver, WithAKeptFactorNoticesWhereTheTangentIsDefiniteNoMore) {
   const Vector b = random_vector(body.unknowns().size(), 4);
   const Placement straight = body.placement();
   constexpr int steps = 400;
-  int stable = 0;
+  int stable = 0, solved_beside = 0;
   for (int k = 0; k < steps; ++k) {
     Placement pressed = straight;
     for (const ParticleId p : pressed.r.ids()) pressed.r[p].x *= 1.0 - 0.2 * k / steps;
     body.restore(pressed);
     const bool definite = anew.factor_definite(body);
-    ASSERT_EQ(kept.is_definite(body), definite) << k;
+    const auto [shown, solution] = kept.judge(body, b, 1e-12);
+    ASSERT_EQ(shown, definite) << k;
     if (!definite) break;
     ++stable;
+    if (solution) {
+      EXPECT_LE((body.tangent() * *solution - b).norm(), 1e-10 * b.norm()) << k;
+      ++solved_beside;
+    }
     ASSERT_TRUE(kept.take_definite(body));
     const Vector x = kept.solve(b);
     ASSERT_EQ(x.size(), b.size());
@@ -84,6 +89,7 @@ TEST(TangentSolver, WithAKeptFactorNoticesWhereTheTangentIsDefiniteNoMore) {
   }
   EXPECT_GT(stable, 5);
   EXPECT_LT(stable, steps);
+  EXPECT_GT(solved_beside, stable / 2);
   EXPECT_LT(kept.last_factor().made(), 2 + stable / 2);
 }
 

@@ -76,8 +76,8 @@ BlockedFactor::BlockedFactor(FactorBlocks blocks) : blocks_(std::move(blocks)) {
 
 BlockedFactor::Block BlockedFactor::block(int s) const {
   const auto k = static_cast<std::size_t>(s);
-  return {blocks_.first[k], blocks_.first[k + 1] - blocks_.first[k], blocks_.from[k + 1] - blocks_.from[k],
-          blocks_.rows.data() + blocks_.from[k], at_[k]};
+  const auto [first, width, height] = blocks_.block(s);
+  return {first, width, height, blocks_.rows.data() + blocks_.from[k], at_[k]};
 }
 
 // A block takes what each earlier block with rows among its columns leaves to it. Those blocks wait in a list

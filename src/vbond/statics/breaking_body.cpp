@@ -102,8 +102,10 @@ bool BreakingBody::is_stable() {
   stable_at_.reset();
   rate_.resize(0);
   if (body_->unknowns().size() == 0) return true;
-  const bool definite = solver_->is_definite(*body_);
-  if (definite || (body_->has_moment_part() && solver_->take_full(*body_)))
+  const auto [definite, solution] = solver_->judge(*body_, body_->load_direction(), accuracy);
+  if (solution)
+    rate_ = *solution;
+  else if (definite || (body_->has_moment_part() && solver_->take_full(*body_)))
     rate_ = solver_->solve_full(*body_, body_->load_direction(), accuracy);
   const bool stable = definite || body_->has_moment_part();
   if (stable) stable_at_ = body_->placement();

@@ -383,4 +383,12 @@ DenseMatrix Factor::solve_columns(const DenseMatrix& B) const {
   return c_->empty ? B : c_->solve_once(B);
 }
 
+bool Factor::copy_to(SingleFactor& single) const {
+  if (c_->kind != Cholmod::Kind::definite || !c_->numeric || !c_->numeric->is_super) return false;
+  const cholmod_factor& L = *c_->numeric;
+  const int* from = static_cast<const int*>(L.px);
+  single.take(blocks_of(L), {from, from + L.nsuper}, static_cast<const double*>(L.x));
+  return true;
+}
+
 }  // namespace vbond

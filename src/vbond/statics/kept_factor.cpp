@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "vbond/core/memory.hpp"
 #include "vbond/statics/detail/dense.hpp"
 
 namespace vbond {
@@ -21,16 +22,50 @@ double largest_scaled_row(const SparseMatrix& M) {
   return largest;
 }
 
+/// A P of a symmetric matrix, all columns in one pass over it: row by row, four numbers at a time.
+DenseMatrix product(const SparseMatrix& A, const DenseMatrix& P) {
+  using Four = Eigen::Vector4d;
+  DenseMatrix Y(P.rows(), P.cols()), rows = DenseMatrix::Zero(4, P.rows());
+  for (Eigen::Index first = 0; first < P.cols(); first += 4) {
+    const Eigen::Index columns = std::min<Eigen::Index>(4, P.cols() - first);
+    rows.topRows(columns) = P.middleCols(first, columns).transpose();
+    for (int k = 0; k < A.outerSize(); ++k) {
+      Four sum = Four::Zero();
+      for (SparseMatrix::InnerIterator it(A, k); it; ++it)
+        sum += it.value() * Eigen::Map<const Four>(&rows(0, it.row()));
+      Y.row(k).segment(first, columns) = sum.head(columns).transpose();
+    }
+  }
+  return Y;
+}
+
 }  // namespace
 
 void KeptFactor::begin(const SparseMatrix& A) {
   at_hand_ = true;
   M_ = A;
-  kappa_ = largest_scaled_row(M_);
   changes_.clear();
+  constexpr double largest_share = 0.5;  // of the memory, for the factor without the copy of half its size
+  const bool has_room = factor_.bytes() <= largest_share * memory_limit();
+  in_single_ = has_room && factor_.copy_to(single_) && single_is_near();
+  note_kappa();
   proofs_ = 0;
   price_ = 1.0;
   spent_ = in_cycle_ = recent_ = 0.0;
+}
+
+// Of a random side, which has something of all movements: what M leaves of a solution with the rounded
+// factor, in the norm of that, in which soft movements count as much as others.
+bool KeptFactor::single_is_near() {
+  constexpr double near = 1e-3;  // less than what movements do as a rule
+  const Vector r = random_side(), x = single_.solve(r), left = r - M_ * x;
+  return left.dot(single_.solve(left).col(0)) <= near * near * r.dot(x);
+}
+
+/// That M is of the rounded factor adds to it.
+void KeptFactor::note_kappa() {
+  kappa_ = largest_scaled_row(M_);
+  if (in_single_) kappa_ += SingleFactor::difference() * static_cast<double>(M_.rows());
 }
 
 void KeptFactor::drop() {
@@ -39,11 +74,20 @@ void KeptFactor::drop() {
 }
 
 bool KeptFactor::is_due() const {
-  return in_cycle_ > patience() || (proofs_ > 0 && recent_ * proofs_ > factor_.cost_in_solutions() + spent_);
+  return in_cycle_ > patience() || (proofs_ > 0 && recent_ * proofs_ > cost_of_factor() + spent_);
 }
 
 double KeptFactor::patience() const {
-  return std::max(30.0, factor_.cost_in_solutions());
+  return std::max(30.0, cost_of_factor());
+}
+
+double KeptFactor::cost_of_factor() const {
+  return (in_single_ ? 2.0 : 1.0) * factor_.cost_in_solutions();
+}
+
+/// Of a solution for so many columns. Measured: four take 1.6 times as long as one, and so on.
+double KeptFactor::price_of(Eigen::Index columns) const {
+  return price_ * (1.0 + 0.2 * static_cast<double>(columns - 1));
 }
 
 void KeptFactor::follow(const SparseMatrix& A, const std::vector<int>& unknowns) {
@@ -77,14 +121,14 @@ void KeptFactor::follow(const SparseMatrix& A, const std::vector<int>& unknowns)
   for (Eigen::Index j = 0; j < size; ++j)
     for (Eigen::Index i = 0; i < size; ++i)
       if (followed(i, j) != 0.0) M_.coeffRef(at(i), at(j)) += followed(i, j);
-  kappa_ = largest_scaled_row(M_);
-  price_ += static_cast<double>(c.Z.size()) * sizeof(double) / (2.0 * factor_.bytes());
-  in_cycle_ += 3.0 * price_;  // columns, which go through the factor together
+  note_kappa();
+  price_ += static_cast<double>(c.Z.size()) * sizeof(double) / ((in_single_ ? 1.0 : 2.0) * factor_.bytes());
+  in_cycle_ += price_of(c.Z.cols());
   changes_.push_back(std::move(c));
 }
 
 DenseMatrix KeptFactor::solve_kept(const DenseMatrix& B) const {
-  DenseMatrix X = factor_.solve_columns(B);
+  DenseMatrix X = in_single_ ? single_.solve(B) : factor_.solve_columns(B);
   for (const Change& c : changes_) {
     const DenseMatrix part = c.inner * (c.Q.transpose() * X(c.unknowns, Eigen::all));
     X.noalias() -= c.Z * part;
@@ -92,28 +136,30 @@ DenseMatrix KeptFactor::solve_kept(const DenseMatrix& B) const {
   return X;
 }
 
-std::optional<Vector> KeptFactor::gradients(const SparseMatrix& A, Vector r, const Enough& enough,
-                                            GradientsMade* made) {
+std::optional<Vector> KeptFactor::solve(const SparseMatrix& A, const Vector& b, double accuracy) {
   const auto times = [&A](const Vector& p) -> Vector { return A * p; };
   const auto inverse = [this](const Vector& v) -> Vector {
     in_cycle_ += price_;
     return solve_kept(v);
   };
-  return conjugate_gradients(times, inverse, std::move(r), enough, patience(), made);
+  return conjugate_gradients(times, inverse, b, {0.0, accuracy}, patience());
 }
 
-std::optional<Vector> KeptFactor::solve(const SparseMatrix& A, const Vector& b, double accuracy) {
-  return gradients(A, b, {0.0, accuracy}, nullptr);
+std::optional<DenseMatrix> KeptFactor::gradients(const SparseMatrix& A, const DenseMatrix& B,
+                                                 const DenseMatrix& X, const std::vector<Enough>& enough,
+                                                 std::vector<GradientsMade>* made) {
+  const auto times = [&A](const DenseMatrix& P) -> DenseMatrix { return product(A, P); };
+  const auto inverse = [this](const DenseMatrix& R) -> DenseMatrix {
+    in_cycle_ += price_of(R.cols());
+    return solve_kept(R);
+  };
+  return conjugate_gradients_of_columns(times, inverse, B, X, enough, patience(), made);
 }
 
 std::optional<DenseMatrix> KeptFactor::solve_columns(const SparseMatrix& A, const DenseMatrix& B,
                                                      const DenseMatrix& X, double accuracy) {
-  const auto times = [&A](const DenseMatrix& P) -> DenseMatrix { return A * P; };
-  const auto inverse = [this](const DenseMatrix& R) -> DenseMatrix {
-    in_cycle_ += price_;
-    return solve_kept(R);
-  };
-  return conjugate_gradients_of_columns(times, inverse, B, X, accuracy, patience());
+  const std::vector<Enough> enough(static_cast<std::size_t>(B.cols()), Enough{0.0, accuracy});
+  return gradients(A, B, X, enough, nullptr);
 }
 
 Vector KeptFactor::solve_roughly(const Vector& b) {
@@ -145,15 +191,28 @@ double KeptFactor::smallest_ritz_value(const GradientsMade& c) const {
 }
 
 bool KeptFactor::shows_definite(const SparseMatrix& A) {
-  constexpr double delta = 1e-9;
-  constexpr double soft = 1e-3;  // so much softer than M along some movement: let a factor judge
-  GradientsMade c;
-  const bool ended = gradients(A, random_side(), {delta / std::sqrt(kappa_), 0.0}, &c).has_value();
+  return solve_if_definite(A, Vector(), 1.0).has_value();
+}
+
+std::optional<Vector> KeptFactor::solve_if_definite(const SparseMatrix& A, const Vector& b, double accuracy) {
+  constexpr Eigen::Index sides = 3;
+  constexpr double delta = 1e-3;  // of each
+  constexpr double soft = 1e-3;   // so much softer than M along some movement: let a factor judge
+  const Eigen::Index others = b.size() > 0 ? 1 : 0;
+  DenseMatrix B(A.rows(), sides + others);
+  for (Eigen::Index k = 0; k < sides; ++k) B.col(k) = random_side();
+  std::vector<Enough> enough(sides, Enough{delta / std::sqrt(kappa_), 0.0});
+  if (others > 0) B.col(sides) = b, enough.push_back({0.0, accuracy});
+  std::vector<GradientsMade> made;
+  const std::optional<DenseMatrix> X = gradients(A, B, DenseMatrix::Zero(B.rows(), B.cols()), enough, &made);
   spent_ += in_cycle_;
   constexpr double weight = 0.25;  // after a break more are needed than after a step: a mean over some proofs
   const double cycle = std::exchange(in_cycle_, 0.0);
   recent_ += (proofs_++ == 0 ? 1.0 : weight) * (cycle - recent_);
-  return ended && smallest_ritz_value(c) > soft;
+  if (!X) return {};
+  for (std::size_t k = 0; k < sides; ++k)
+    if (!(smallest_ritz_value(made[k]) > soft)) return {};
+  return others > 0 ? Vector(X->col(sides)) : Vector();
 }
 
 }  // namespace vbond

@@ -188,10 +188,12 @@ Vector TangentSolver::solve_roughly(const StaticBody& body, const Vector& b) {
   return knows_breaks ? kept_.solve_roughly(b) : Vector();
 }
 
-bool TangentSolver::is_definite(const StaticBody& body) {
+TangentSolver::Judged TangentSolver::judge(const StaticBody& body, const Vector& b, double accuracy) {
   any_signs_ = false;
-  if (kept_for(body) && kept_.shows_definite(*present_)) return true;
-  return factor_definite(body);
+  if (kept_for(body))
+    if (std::optional<Vector> x = kept_.solve_if_definite(*present_, b, accuracy))
+      return {true, std::move(x)};
+  return {factor_definite(body), std::nullopt};
 }
 
 Vector TangentSolver::solve(const Vector& b, double accuracy) {

@@ -14,6 +14,13 @@ struct FactorBlocks {
   std::vector<int> order;  ///< order[k]: which unknown is eliminated as number k
   int columns() const { return static_cast<int>(order.size()); }
   int number() const { return static_cast<int>(first.size()) - 1; }
+  struct Size {
+    int first, width, height;
+  };
+  Size block(int s) const {
+    const auto k = static_cast<std::size_t>(s);
+    return {first[k], first[k + 1] - first[k], from[k + 1] - from[k]};
+  }
 };
 
 /// P (A + shift I) P^T = L D L^T in dense blocks, D diagonal with entries of either sign, without pivoting:

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "vbond/statics/detail/matrix.hpp"
+#include "vbond/statics/detail/single_factor.hpp"
 
 namespace vbond {
 
@@ -49,6 +50,9 @@ class Factor {
   Vector other_half_solve(const Vector& y) const;
   /// The same for each column, without refinement; several at a time cost little more than one.
   DenseMatrix solve_columns(const DenseMatrix& B) const;
+  /// Of a definite factor: copies it into one of single precision. False if it is so small that it is not in
+  /// dense blocks.
+  bool copy_to(SingleFactor& single) const;
 
  private:
   struct Cholmod;

@@ -50,19 +50,26 @@ std::optional<Vector> conjugate_gradients(Times&& times, Inverse&& inverse, Vect
 }
 
 /// X with A X = B, each column as above but all of them together: inverse(R) is cheaper for several at a
-/// time. From this X on; enough: the norm of each column's residual is this part of the root of b^T X, or of
-/// what it is from X = 0.
+/// time. From this X on. When each is enough: its norm, or this part of the root of b^T X, or of what the
+/// norm is from X = 0. A column that has ended waits for the others. made: for each column.
 template <class Times, class Inverse>
 std::optional<DenseMatrix> conjugate_gradients_of_columns(Times&& times, Inverse&& inverse,
-                                                          const DenseMatrix& B, DenseMatrix X, double part,
-                                                          double most) {
+                                                          const DenseMatrix& B, DenseMatrix X,
+                                                          const std::vector<Enough>& enough, double most,
+                                                          std::vector<GradientsMade>* made = nullptr) {
   const auto products = [](const DenseMatrix& a, const DenseMatrix& b) -> Vector {
     return a.cwiseProduct(b).colwise().sum();
   };
   DenseMatrix R = B - times(X);
   DenseMatrix P = inverse(R);
   Vector size = products(R, P);
-  const Vector end = part * part * size.cwiseMax(products(B, X));
+  const Vector start = size, given = size.cwiseMax(products(B, X));
+  Vector end(size.size());
+  for (Eigen::Index c = 0; c < size.size(); ++c) {
+    const auto [norm, part] = enough[static_cast<std::size_t>(c)];
+    end[c] = std::max(norm * norm, part * part * given[c]);
+  }
+  if (made) made->resize(enough.size());
   for (int k = 0; (size.array() > end.array()).any(); ++k) {
     const DenseMatrix AP = times(P);
     const Vector curvature = products(P, AP);
@@ -77,7 +84,14 @@ std::optional<DenseMatrix> conjugate_gradients_of_columns(Times&& times, Inverse
     R -= AP * alpha.asDiagonal();
     const DenseMatrix Z = inverse(R);
     const Vector next = products(R, Z);
-    for (Eigen::Index c = 0; c < size.size(); ++c) beta[c] = alpha[c] > 0.0 ? next[c] / size[c] : 0.0;
+    for (Eigen::Index c = 0; c < size.size(); ++c) {
+      if (!(alpha[c] > 0.0)) continue;
+      beta[c] = next[c] / size[c];
+      if (!made) continue;
+      GradientsMade& of_column = (*made)[static_cast<std::size_t>(c)];
+      of_column.alpha.push_back(alpha[c]), of_column.beta.push_back(beta[c]);
+      of_column.left = std::sqrt(std::abs(next[c]) / start[c]);
+    }
     P = Z + P * beta.asDiagonal();
     size = next;
   }

@@ -14,13 +14,18 @@ namespace vbond {
 /// gradients on the present matrix A. Where a bond breaks, M changes with it, by a matrix of rank 6
 /// (Woodbury's formula), so that it differs from A by the small movements since the factor was made.
 ///
-/// That A is positive definite is shown by conjugate gradients too, on a random right-hand side r. Let
-/// A u = mu M u, u^T M u = 1, mu <= 0. Step m leaves of r along u the part p_m(mu) u^T r. If p^T A p has been
+/// A large factor is copied into one of single precision, as long as that is near. M is the matrix of the
+/// rounded factor then, and all that is said of it here holds.
+///
+/// That A is positive definite is shown by conjugate gradients too, on random right-hand sides r. Let A u =
+/// mu M u, u^T M u = 1, mu <= 0. Step m leaves of r along u the part p_m(mu) u^T r. If p^T A p has been
 /// positive for all directions p, the roots of p_m are positive and p_m(0) = 1, so p_m(mu) >= 1: what is
 /// left, sqrt(r_m^T M^-1 r_m), is no less than |u^T r|. With components of r uniform, of variance D_kk =
 /// M_kk, u^T r has a variance u^T D u of at least 1/kappa, kappa the largest eigenvalue of D^-1/2 M D^-1/2,
 /// and a density of at most 0.41 over its root (K. Ball, Proc. Am. Math. Soc. 97 (1986) 465). When no more
-/// than delta / sqrt(kappa) is left there is such a mu with a chance below 0.82 delta.
+/// than delta / sqrt(kappa) is left there is such a mu with a chance below 0.82 delta. Sides are drawn one
+/// independently of the other, so that chances multiply: three of delta = 1e-3, which go through the factor
+/// together, take half of the iterations of one of 1e-9.
 class KeptFactor {
  public:
   /// Keeps a reference.
@@ -49,6 +54,8 @@ class KeptFactor {
   Vector solve_roughly(const Vector& b);
   /// True: A is positive definite, but for a chance of 1e-9. False: not known.
   bool shows_definite(const SparseMatrix& A);
+  /// If it shows that: x with A x = b, to this part of b as above. Takes hardly longer.
+  std::optional<Vector> solve_if_definite(const SparseMatrix& A, const Vector& b, double accuracy);
 
  private:
   /// M with Q diag(values) Q^T more, Q orthonormal columns that have entries for a few unknowns only: its
@@ -59,7 +66,12 @@ class KeptFactor {
     DenseMatrix Z;      // M^-1 Q
     DenseMatrix inner;  // (diag(values)^-1 + Q^T M^-1 Q)^-1
   };
-  std::optional<Vector> gradients(const SparseMatrix& A, Vector r, const Enough& enough, GradientsMade* made);
+  std::optional<DenseMatrix> gradients(const SparseMatrix& A, const DenseMatrix& B, const DenseMatrix& X,
+                                       const std::vector<Enough>& enough, std::vector<GradientsMade>* made);
+  bool single_is_near();
+  void note_kappa();
+  double cost_of_factor() const;
+  double price_of(Eigen::Index columns) const;
   /// Solutions that are spent on one matrix before a new factor is made.
   double patience() const;
   /// M^-1 B, all changes included.
@@ -68,6 +80,8 @@ class KeptFactor {
   double smallest_ritz_value(const GradientsMade& c) const;
 
   Factor& factor_;
+  SingleFactor single_;
+  bool in_single_ = false;  // single_ is used
   SparseMatrix M_;
   std::vector<Change> changes_;  // in their order
   double kappa_ = 0;

@@ -50,8 +50,13 @@ class TangentSolver {
   bool take_definite(const StaticBody& body);
   /// The same whatever its signs; false if it is known to be singular.
   bool take(const StaticBody& body);
-  /// Whether tangent() is positive definite: by a kept factor if that shows it, else by a new one.
-  bool is_definite(const StaticBody& body);
+  /// Whether tangent() is positive definite: by a kept factor if that shows it, else by a new one. And what
+  /// the former has found together with that: x with tangent() x = b, to this part of b.
+  struct Judged {
+    bool definite = false;
+    std::optional<Vector> solution;
+  };
+  Judged judge(const StaticBody& body, const Vector& b, double accuracy);
   /// M^-1 b, M the matrix of a kept factor, which is near tangent() as a rule; empty without one, or where a
   /// new one is the cheaper way on. Takes a tangent only if bonds have broken since the last one. Contacts
   /// that are new since then are not in M.
