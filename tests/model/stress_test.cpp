@@ -124,6 +124,28 @@ TEST(Stress, OfTouchingBallsIsTheirForceTimesTheDistance) {
   EXPECT_NEAR(stress_of(s, 1.0)[0], -10.0 * 0.06 * 0.7, 1e-15);
 }
 
+// A pile of two balls between plates: force times the distance of the plates, and half of it for each ball;
+// and what a wall remembers of friction, with the arm to where it acts.
+TEST(Stress, OfBallsBetweenPlatesIsTheirForceTimesTheDistanceOfThese) {
+  Specimen s = testing::particles_at({{0, 0, 0.3}, {0, 0, 1.0}}, 0.4);
+  s.model.contact.law = ContactLaw::linear;
+  s.model.contact.k = 10.0;
+  s.model.walls = {{"floor", PlaneWall{{0, 0, -5}, {0, 0, 1}}, 0, {}},
+                   {"lid", PlaneWall{{0, 0, 1.3}, {0, 0, -1}}, 0, {}}};
+  s.state.walls.resize(2);
+  s.state.walls[0].displacement = {0, 0, 5};
+  EXPECT_NEAR(stress_of(s, 1.0)[2], -10.0 * 0.1 * 1.3, 1e-14);
+  for (const ParticleId p : s.state.r.ids())
+    EXPECT_NEAR(symmetric_part(stress_times_volume(s.model, s.state)[p])[2], -10.0 * 0.1 * 0.65, 1e-14);
+  s.state.wall_history = {{ParticleId{1}, 1, {0, 0, -1}, {0.3, 0, 0}}};
+  EXPECT_NEAR(stress_of(s, 1.0)[4], 0.5 * 0.3 * 0.3, 1e-14);
+  Tensor between;
+  for (const Tensor& t : stress_between_particles(s.model, s.state)) between += t;
+  EXPECT_NEAR(symmetric_part(between)[2], -10.0 * 0.1 * 0.7, 1e-14);
+  s.state.walls[1].off = 1;
+  EXPECT_NEAR(stress_of(s, 1.0)[2], -10.0 * 0.1 * 1.0, 1e-14);
+}
+
 // Bonds that bend leave moments: the tensor is then not symmetric, by the moment that is left.
 TEST(Stress, IsUnsymmetricByTheMomentOnAParticle) {
   Specimen s = cube();

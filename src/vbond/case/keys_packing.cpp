@@ -87,7 +87,8 @@ void describe(Table& t, GrainSpec& g) {
   t.key("share", g.share, positive(pure), optional, "of all grains, as share_by says; only ratios count");
   const std::vector<std::string> forms{"radius", "radii", "normal", "lognormal", "curve"};
   t.alternatives(g.sizes, t.exactly_one(forms, g.sizes.index()), forms);
-  t.key("density", g.density, positive(density), default_is("that of the specimen"), "of these grains");
+  t.key("density", g.density, positive(density), default_is("that of the specimen"),
+        "of these grains; only one of the two may be given");
 }
 
 void describe(Table& t, PackingSpecimen& s) {

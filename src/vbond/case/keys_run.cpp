@@ -110,7 +110,9 @@ void describe_stress(Table& t, StressSpec& s) {
       "that the group takes up, gaps included; \"box\": of the box along x, y, z around its particles at the "
       "start, with their radii, so that the stress in a round group or in a part of a random packing comes "
       "out "
-      "too small; \"spheres\": of its particles alone, so that the stress in a body with gaps comes out too "
+      "too small, as does that in a whole body that is pulled, whose outermost particles carry half: take a "
+      "group without them; \"spheres\": of its particles alone, so that the stress in a body with gaps comes "
+      "out too "
       "large");
 }
 

@@ -50,7 +50,7 @@ Tensor cell_velocity_gradient(const CellEdges& cell) {
 
 Tensor cell_stress(const Model& model, const State& s) {
   Tensor sum;
-  for (const Tensor& t : stress_times_volume(model, s)) sum += transposed(t);
+  for (const Tensor& t : stress_between_particles(model, s)) sum += transposed(t);
   if (!s.v.empty()) {
     const Tensor L = cell_velocity_gradient(s.cell);
     for (const ParticleId p : s.v.ids()) {

@@ -5,6 +5,7 @@
 
 #include "vbond/model/capsules.hpp"
 #include "vbond/model/touching.hpp"
+#include "vbond/terms/walls/resting_walls.hpp"
 
 namespace vbond {
 namespace {
@@ -16,11 +17,21 @@ void add_force(ParticleId i, ParticleId j, const Vec3d& F, const Vec3d& at, cons
   sum[j] += dyad(at - r_ij, -F);
 }
 
-/// What touching particles remember of slip.
+/// The force of friction that a contact remembers.
+Vec3d friction_in(const PairHistory& memory) {
+  return {memory[0], memory[1], memory[2]};
+}
 Vec3d friction_on(const State& s, ParticleId i, ParticleId j, const Image& of_j) {
   const PairMemory* memory = memory_of(s, i, j, of_j);
-  if (memory == nullptr) return {};
-  return {memory->history[0], memory->history[1], memory->history[2]};
+  return memory == nullptr ? Vec3d{} : friction_in(memory->history);
+}
+
+/// Adds the forces of walls, which act where these are touched.
+void add_walls(const Model& model, const State& s, PerParticle<Tensor>& sum) {
+  if (model.walls.empty()) return;
+  for (const RestingTouch& t : RestingWalls(model).touches(s))
+    if (t.overlap > 0.0)
+      sum[t.p] += dyad(-t.distance * t.normal, t.force * t.normal + friction_in(memory_of(s, t)));
 }
 
 /// The inverse of a symmetric tensor; not a number if that is singular but for rounding.
@@ -33,7 +44,7 @@ Tensor inverse(const Tensor& t) {
 
 }  // namespace
 
-PerParticle<Tensor> stress_times_volume(const Model& model, const State& s) {
+PerParticle<Tensor> stress_between_particles(const Model& model, const State& s) {
   PerParticle<Tensor> sum(model.particles());
   for (const BondId k : s.bonds.ids()) {
     const Bond& b = s.bonds[k];
@@ -56,7 +67,7 @@ PerParticle<Tensor> stress_times_volume(const Model& model, const State& s) {
     const double F_n = normal_force(fibre_forms(model.contact),
                                     touch_numbers(model, c.a.i.particle, c.b.i.particle), p.R, p.overlap)
                            .F;
-    const Vec3d F = Vec3d{history[0], history[1], history[2]} - (c.weight * F_n) * p.n;
+    const Vec3d F = friction_in(history) - (c.weight * F_n) * p.n;
     const auto place = [&s](const FibrePlace& f) {
       return on_segment(place_of(s.r, s.cell, f.i), place_of(s.r, s.cell, f.j), f.s);
     };
@@ -65,6 +76,12 @@ PerParticle<Tensor> stress_times_volume(const Model& model, const State& s) {
       sum[q.particle] += dyad(at - place_of(s.r, s.cell, q), force);
     });
   }
+  return sum;
+}
+
+PerParticle<Tensor> stress_times_volume(const Model& model, const State& s) {
+  PerParticle<Tensor> sum = stress_between_particles(model, s);
+  add_walls(model, s, sum);
   return sum;
 }
 

@@ -11,10 +11,12 @@ namespace vbond {
 
 /// V times the stress of each particle: the sum of x f over bonds and contacts, where f is the force on the
 /// particle and x the way from its centre to where it acts, which for a bond is the middle between its bonded
-/// points and for a contact the middle of the overlap (Love 1927, Weber 1966; Bagi 1996). Tension is
-/// positive. Elastic forces and friction, no damping of bonds and no walls. Moments make it
+/// points, for a contact the middle of the overlap and for a wall the point of it that is touched (Love 1927,
+/// Weber 1966; Bagi 1996). Tension is positive. Elastic forces and friction, no damping. Moments make it
 /// unsymmetric, by no more than the moment on the particle that its neighbours leave.  [energy]
 PerParticle<Tensor> stress_times_volume(const Model& model, const State& state);
+/// The part of it that particles make with each other: what walls do is left out.  [energy]
+PerParticle<Tensor> stress_between_particles(const Model& model, const State& state);
 
 /// Volume of a particle as a sphere, for the stress in the particle itself.  [volume]
 double sphere_volume(const Model& model, ParticleId p);

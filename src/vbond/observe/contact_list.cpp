@@ -88,17 +88,6 @@ void list_fibres(const Model& model, const State& s, std::vector<ListedContact>&
   }
 }
 
-/// That of the same place: a memory is of the positions of now.
-PairHistory memory_of(const State& s, const RestingTouch& t) {
-  constexpr double same = 1.0 - 1e-9;
-  const std::pair place(t.p, t.wall);
-  for (auto m = std::lower_bound(s.wall_history.begin(), s.wall_history.end(), place,
-                                 [](const WallMemory&w, const auto&at) { return place_of(w) < at; });
-       m != s.wall_history.end() && place_of(*m) == place; ++m)
-    if (dot(m->normal, t.normal) > same) return m->history;
-  return {};
-}
-
 void list_walls(const Model& model, const State& s, std::vector<ListedContact>& to) {
   const RestingWalls walls(model);
   if (!walls.any()) return;

@@ -43,8 +43,8 @@ constexpr ParticleQuantity of_particles[] = {
      [](const Particle& p) { return p.fragments ? p.fragments->number[p.id] : std::int64_t{0}; },
      Only::breaks},
     {"stress_normal", unit::stress,
-     "xx, yy, zz of its stress, tension positive: the sum of x f over its bonds and contacts, where f acts "
-     "at x from its centre, over its volume as a sphere",
+     "xx, yy, zz of its stress, tension positive: the sum of x f over its bonds and contacts, walls among "
+     "them, where f acts at x from its centre, over its volume as a sphere",
      [](const Particle& p) {
        return Vec3d{p.stress[0], p.stress[1], p.stress[2]};
      },

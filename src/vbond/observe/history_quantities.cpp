@@ -102,7 +102,8 @@ constexpr HistoryQuantity columns[] = {
     {"cell_strain_xz", unit::none, "component xz of it", cell_strain<4>, Only::cell},
     {"cell_strain_xy", unit::none, "component xy of it", cell_strain<5>, Only::cell},
     {"cell_stress_xx", unit::stress,
-     "Cauchy's stress of the body, tension positive: the sum of r_ij f_i over bonds and contacts, with "
+     "Cauchy's stress of the body, tension positive: the sum of r_ij f_i over bonds and contacts of "
+     "particles, with "
      "elastic "
      "forces and friction, less what particles carry that move beside the cell, over its volume; the "
      "symmetric "
@@ -227,7 +228,8 @@ const std::vector<GroupQuantity>& of_groups() {
        "GROUP",
        {{"xx", unit::stress,
          "mean stress of the group, tension positive: the sum of x f over its particles' bonds and contacts, "
-         "where f acts on a particle at x from its centre, over the volume that is given; the symmetric "
+         "walls among them, where f acts on a particle at x from its centre, over the volume that is given; "
+         "the symmetric "
          "part"},
         {"yy", unit::stress},
         {"zz", unit::stress},

@@ -89,6 +89,16 @@ ForceSlope RestingWalls::slope(const State& state, ParticleId p, std::uint32_t w
   return {{F.x.value, F.y.value, F.z.value}, {F.x.d, F.y.d, F.z.d}};
 }
 
+PairHistory memory_of(const State& s, const RestingTouch& t) {
+  constexpr double same = 1.0 - 1e-9;
+  const std::pair place(t.p, t.wall);
+  for (auto m = std::lower_bound(s.wall_history.begin(), s.wall_history.end(), place,
+                                 [](const WallMemory&w, const auto&at) { return place_of(w) < at; });
+       m != s.wall_history.end() && place_of(*m) == place; ++m)
+    if (dot(m->normal, t.normal) > same) return m->history;
+  return {};
+}
+
 double RestingWalls::energy(const State& state) const {
   double U = 0.0;
   for (const RestingTouch& t : touches(state)) U += t.energy;

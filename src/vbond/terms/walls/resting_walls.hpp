@@ -56,6 +56,9 @@ class RestingWalls {
   std::vector<std::vector<TouchNumbers<double>>> numbers_;  // of each wall, with each material
 };
 
+/// What the state remembers of a touch, of the same place: a memory is of the positions of now.
+PairHistory memory_of(const State& state, const RestingTouch& touch);
+
 /// Where a wall is: as the state says, or as at the start if that says nothing.
 inline WallState wall_of(const State& state, std::size_t wall) {
   return wall < state.walls.size() ? state.walls[wall] : WallState{};
