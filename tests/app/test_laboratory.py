@@ -243,7 +243,7 @@ duration = 1e-6
 
 
 def test_a_grain_that_comes_off_the_skin_is_no_failure(work):
-    said, result = test_case("triaxial", ROCK, "--pressure", "30 MPa")
+    said, result = test_case("triaxial", ROCK, "--pressure", "30 MPa", folder="skin")
     assert "and bears what pressure drives it: translation along x of particle 154," in said.err
     # it came off at 48.1 MPa; the body bears half as much again, with several breaks before
     assert result["peak"]["stress"] > 1.4 * 48.1e6
