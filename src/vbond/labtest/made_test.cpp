@@ -32,7 +32,10 @@ void set_progress(const Body& body, MadeTest& test) {
   if (!r.strain && !body.can_break) test.end_strain = 1e-4;
   const double speed = slowness * test.end_strain * body.wave_speed;
   test.rate = r.rate.value_or(speed * test.strain_per_way);
-  if (r.pressure > 0.0) test.confining = 20.0 * body.box.diagonal() / body.wave_speed;
+  if (r.pressure > 0.0) {
+    test.confining = 20.0 * body.box.diagonal() / body.wave_speed;
+    test.settling = 0.5 * test.confining;
+  }
   test.duration = test.end_strain / test.rate / 0.99;  // a ramp over 2 % of it loses half of that
   if (const double least = 10.0 * body.model.T_0; test.duration < least)
     refuse(body,
@@ -92,7 +95,8 @@ std::vector<PointHold> held_along(const std::vector<ParticleId>& particles, int 
 
 /// Bars rigid motions by single particles: of the first side if it can, else of both.
 void hold_the_body(const Body& body, TestText& text, std::vector<PointHold> held,
-                   const std::vector<ParticleId>& one, const std::vector<ParticleId>& other) {
+                   const std::vector<ParticleId>& one, const std::vector<ParticleId>& other,
+                   Confining confining = Confining::as_ever) {
   auto holds = bar_rigid_motions(body, held, one);
   if (!holds) {
     std::vector<ParticleId> both = one;
@@ -103,7 +107,7 @@ void hold_the_body(const Body& body, TestText& text, std::vector<PointHold> held
     refuse(body, "the particles that the test holds lie in a row",
            "they must keep the body from turning about each axis",
            "take a body with more particles across, or deeper ends with --depth");
-  text.point_holds(*holds);
+  text.point_holds(*holds, confining);
 }
 
 /// The middle half of the specimen, whose strain is measured. Throws if its particles do not span space.
@@ -185,7 +189,8 @@ MadeTest test_between_ends(const Body& body, const Request& request) {
   else
     for (const int k : {body.axis, body.across, body.third})
       test.gauge->columns.push_back(component_name(k, k));
-  if (request.pressure > 0.0) test.confinement = confinement_of(body, *test.section, request.pressure);
+  const bool confined = request.pressure > 0.0;
+  if (confined) test.confinement = confinement_of(body, *test.section, request.pressure);
   set_progress(body, test);
 
   TestText text(body);
@@ -195,12 +200,13 @@ MadeTest test_between_ends(const Body& body, const Request& request) {
   text.middle(test.gauge->group, body.axis, half);
   const std::vector<int> fix = grip ? std::vector<int>{} : std::vector<int>{body.axis};
   text.hold({test.lower, fix, {}});
-  text.hold({test.upper, fix, along(test.direction, test.sign * test.length), request.pressure > 0.0});
+  text.hold({test.upper, fix, along(test.direction, test.sign * test.length),
+             confined ? Confining::guided : Confining::as_ever});
   if (!grip) {
     std::vector<PointHold> held = held_along(lower.particles, body.axis);
     const std::vector<PointHold> more = held_along(upper.particles, body.axis);
     held.insert(held.end(), more.begin(), more.end());
-    hold_the_body(body, text, std::move(held), lower.particles, upper.particles);
+    hold_the_body(body, text, std::move(held), lower.particles, upper.particles, Confining::left_out);
   }
   test.text = text.text(test, {test.lower, test.upper}, 2.0 * half * test.section->area);
   if (shear)

@@ -44,6 +44,7 @@ struct MadeTest {
   Vec3d middle;                            ///< of the body  [length]
   double end_strain = 0;                   ///< at which the test ends unless it does so earlier
   double confining = 0;                    ///< in motion: how long the pressure comes on before  [time]
+  double settling = 0;                     ///< in motion: how long ends slide before they move  [time]
   double rate = 0, duration = 0;           ///< in motion
   bool breaks = false;                     ///< bonds have strengths
   bool gives_way = false;                  ///< bonds soften, or their stretching is no straight line

@@ -97,7 +97,8 @@ void find_peak(const MadeTest& test, const std::vector<Row>& rows, std::size_t p
   double least_after = rows[peak].at.stress;
   for (std::size_t k = peak; k < rows.size(); ++k) least_after = std::min(least_after, rows[k].at.stress);
   const bool collapsed = result.ended == "parted" || result.ended == "lost stability" ||
-                         result.ended == "peak";  // in motion: by the force on the upper end
+                         result.ended == "peak" ||
+                         result.ended == "load drop";  // by the force on the upper end
   if (most.stress > 0.0 && (collapsed || least_after <= (1.0 - test.request.drop) * most.stress)) {
     const bool unstable = result.ended == "lost stability";
     if (result.ended == "parted" && least_after > (1.0 - test.request.drop) * most.stress)

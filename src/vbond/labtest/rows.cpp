@@ -1,5 +1,6 @@
 #include "vbond/labtest/rows.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -44,14 +45,16 @@ std::vector<Row> read_rows(const MadeTest& test, const std::filesystem::path& fi
   const std::string k(1, "xyz"[test.direction]);
   std::vector<Row> rows;
   double last_factor = 0;
+  int stage = test.confinement ? -1 : 0;
   while (table.next()) {
     Row row;
     row.step = static_cast<std::int64_t>(table.number("step"));
     if (const auto factor = table.find("load_factor")) {
-      row.stage = rows.empty() ? 0 : rows.back().stage + (*factor < last_factor ? 1 : 0);
+      if (*factor < last_factor) ++stage;
+      row.stage = std::max(stage, 0);
       last_factor = *factor;
     } else if (test.confining > 0.0) {
-      row.stage = table.number("time") > test.confining * (1.0 + 1e-9) ? 1 : 0;
+      row.stage = table.number("time") > (test.confining + test.settling) * (1.0 + 1e-9) ? 1 : 0;
     }
     const double on_upper = test.sign * table.number("reaction." + test.upper + ".f" + k),
                  on_lower = test.sign * table.number("reaction." + test.lower + ".f" + k);

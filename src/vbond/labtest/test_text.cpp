@@ -21,6 +21,19 @@ std::string vector(const Vec3d& a) {
 std::string header(const std::string& group) {
   return "\n[groups." + group + "]\n";
 }
+std::string stage(const char* words, const char* name, const char* kind) {
+  return fmt::format("\n# {}\n[[stage]]\nname = \"{}\"\nkind = \"{}\"\n", words, name, kind);
+}
+constexpr const char* comes_on =
+    "the pressure comes on all round, on a skin through outer centres; the upper end moves along the axis as "
+    "one body";
+constexpr const char* settles = "from here on the ends slide sideways";
+std::string fix(const Hold& h) {
+  if (h.fix.empty()) return ", rigid = true";
+  std::string names;
+  for (const int k : h.fix) names += fmt::format("{}\"{}\"", names.empty() ? "" : ", ", name_of_axis(k));
+  return ", fix = [" + names + "]";
+}
 
 }  // namespace
 
@@ -44,7 +57,7 @@ void TestText::both(const std::string& group, const std::string& one, const std:
   groups_ += header(group) + fmt::format("union = [\"{}\", \"{}\"]\n", one, other);
 }
 
-void TestText::point_holds(const std::vector<PointHold>& all) {
+void TestText::point_holds(const std::vector<PointHold>& all, Confining confining) {
   std::vector<std::pair<ParticleId, std::vector<int>>> particles;
   for (const PointHold& h : all) {
     const auto at = std::find_if(particles.begin(), particles.end(),
@@ -62,19 +75,21 @@ void TestText::point_holds(const std::vector<PointHold>& all) {
     groups_ += header(group) + fmt::format("sphere = {{centre = {}, radius = {}}}\n",
                                            vector(body_.state.r[particle]), number(1e-3 * body_.spacing));
     std::sort(directions.begin(), directions.end());
-    hold({group, directions, {}});
+    hold({group, directions, {}, confining});
   }
 }
 
 std::string TestText::supports(const MadeTest& test, double strain, bool moves, bool confining) const {
   std::string text = "supports = [\n";
   for (const Hold& h : holds_) {
-    if (confining && h.when_confined) continue;
+    if (confining && h.confining == Confining::left_out) continue;
+    const bool guided = confining && h.confining == Confining::guided;
     text += "  {group = \"" + h.group + "\"";
-    if (h.fix.empty()) text += ", rigid = true";
-    std::string names;
-    for (const int k : h.fix) names += fmt::format("{}\"{}\"", names.empty() ? "" : ", ", name_of_axis(k));
-    if (!names.empty()) text += ", fix = [" + names + "]";
+    if (guided)
+      text += fmt::format(R"(, rigid = true, fix = ["{}", "{}", "rx", "ry", "rz"])",
+                          name_of_axis(body_.across), name_of_axis(body_.third));
+    else
+      text += fix(h);
     if (moves && norm2(h.way) > 0.0)
       text +=
           fmt::format(", velocity = {}, ramp = {}", vector(test.rate * h.way), number(0.02 * test.duration));
@@ -85,60 +100,75 @@ std::string TestText::supports(const MadeTest& test, double strain, bool moves, 
   return text + "]\n";
 }
 
-std::string TestText::stages(const MadeTest& test) const {
-  const auto stage = [](const char* words, const char* name, const char* kind) {
-    return fmt::format("\n# {}\n[[stage]]\nname = \"{}\"\nkind = \"{}\"\n", words, name, kind);
-  };
+/// Waves along the body lose half of their amplitude in the time that they take for it: near critical for the
+/// longest of them. Local damping does not know rigid bodies that are free in part.
+std::string TestText::drag() const {
+  const double rate = body_.wave_speed / body_.box.diagonal();
+  double mass = 0, inertia = 0;
+  for (const ParticleId p : body_.model.mass.ids())
+    mass += body_.model.mass[p], inertia += body_.model.inertia[p];
+  const double share = rate / static_cast<double>(body_.model.particles());
+  return fmt::format("damping = {{translation = {}, rotation = {}}}\n", number(share * mass),
+                     number(share * inertia));
+}
+
+std::string TestText::pressure(const MadeTest& test, const std::string& how) const {
+  if (!test.confinement) return "";
+  return fmt::format("pressures = [{{surface = \"skin\", pressure = {}, longest = {}{}}}]\n",
+                     number(test.confinement->applied), number(test.confinement->longest), how);
+}
+
+std::string TestText::stages_in_motion(const MadeTest& test) const {
   const Request& r = test.request;
-  const bool confined = test.confinement.has_value();
-  const auto pressure = [&](const char* how) {
-    if (!confined) return std::string();
-    return fmt::format("pressures = [{{surface = \"skin\", pressure = {}, longest = {}{}}}]\n",
-                       number(test.confinement->applied), number(test.confinement->longest), how);
-  };
-  if (!r.at_rest) {
-    const double damping = r.damping.value_or(0.7);
-    const std::string damped =
-        damping > 0.0 ? fmt::format("damping = {{local = {}}}\n", number(damping)) : "";
-    std::string text;
-    if (confined)
-      text += stage("the pressure comes on all round, on a skin through outer centres; the upper end is free",
-                    "confine", "dynamics") +
-              fmt::format("duration = {}\n", number(test.confining)) + supports(test, 0.0, false, true) +
-              damped + pressure(fmt::format(", ramp = {}", number(0.5 * test.confining)).c_str());
-    text += stage("the platens move at a rate", "test", "dynamics") +
-            fmt::format("duration = {}\n", number(test.duration)) + supports(test, 0.0, true) + damped +
-            pressure("");
-    const double window = std::max(0.002 * test.duration, 0.05 * body_.model.T_0);  // more than a step
-    if (test.breaks)
-      text += fmt::format(
-          "stop = {{peak = {{quantity = \"reaction\", group = \"{}\", direction = {}, drop = {}, "
-          "average_over = "
-          "{}}}}}\n",
-          test.upper, vector(along(test.direction, test.sign)), number(r.drop), number(window));
-    return text;
-  }
-  std::string text =
-      stage(confined
-                ? "the pressure comes on all round, on a skin through outer centres; the upper end is free"
-                : "the body as it is made comes to rest: what it bears now is its stress before the test",
-            confined ? "confine" : "settle", "equilibrium") +
-      supports(test, 0.0, false, true) + pressure("") +
-      stage("a strain so small that moduli are those before any bond breaks", "elastic", "equilibrium") +
-      supports(test, elastic_strain, false) + pressure(", constant = true");
+  const double damping = r.damping.value_or(0.7);
+  const bool damps = damping > 0.0;
+  const std::string damped = damps ? fmt::format("damping = {{local = {}}}\n", number(damping)) : "";
+  const auto lasts = [](double duration) { return fmt::format("duration = {}\n", number(duration)); };
+  std::string text;
+  if (test.confinement)
+    text += stage(comes_on, "confine", "dynamics") + lasts(test.confining) +
+            supports(test, 0.0, false, true) + (damps ? drag() : "") +
+            pressure(test, fmt::format(", ramp = {}", number(0.5 * test.confining))) +
+            stage(settles, "settle", "dynamics") + lasts(test.settling) + supports(test, 0.0, false) +
+            damped + pressure(test);
+  text += stage("the platens move at a rate", "test", "dynamics") + lasts(test.duration) +
+          supports(test, 0.0, true) + damped + pressure(test);
+  const double window = std::max(0.002 * test.duration, 0.05 * body_.model.T_0);  // more than a step
+  if (test.breaks)
+    text += fmt::format(
+        "stop = {{peak = {{quantity = \"reaction\", group = \"{}\", direction = {}, drop = {}, "
+        "average_over = {}}}}}\n",
+        test.upper, vector(along(test.direction, test.sign)), number(r.drop), number(window));
+  return text;
+}
+
+std::string TestText::stages_at_rest(const MadeTest& test) const {
+  const Request& r = test.request;
+  const std::string on = pressure(test, ", constant = true");
+  std::string text;
+  if (test.confinement)
+    text = stage(comes_on, "confine", "equilibrium") + supports(test, 0.0, false, true) + pressure(test) +
+           stage(settles, "settle", "equilibrium") + supports(test, 0.0, false) + on;
+  else
+    text = stage("the body as it is made comes to rest: what it bears now is its stress before the test",
+                 "settle", "equilibrium") +
+           supports(test, 0.0, false);
+  text += stage("a strain so small that moduli are those before any bond breaks", "elastic", "equilibrium") +
+          supports(test, elastic_strain, false) + on;
   if (test.breaks)
     text += stage("bonds break one by one; each point is a balance", "break", "fracture") + "steps = 20\n" +
-            supports(test, test.end_strain, false) + pressure(", constant = true") +
+            supports(test, test.end_strain, false) + on +
             fmt::format("stop = {{load_drop = {}}}\n", number(r.drop));
   else if (r.strain)
     text += stage("on to the strain that is asked for", "load", "equilibrium") + "steps = 20\n" +
-            supports(test, test.end_strain, false) + pressure(", constant = true");
+            supports(test, test.end_strain, false) + on;
   return text;
 }
 
 std::string TestText::text(const MadeTest& test, const std::vector<std::string>& displacements,
                            double gauge_volume) const {
-  std::string text = groups_ + stages(test) + "\n[output]\nhistory = {";
+  std::string text = groups_ + (test.request.at_rest ? stages_at_rest(test) : stages_in_motion(test)) +
+                     "\n[output]\nhistory = {";
   if (!test.request.at_rest) text += fmt::format("every = {}, ", number(0.002 * test.duration));
   text += fmt::format("reactions = [\"{}\", \"{}\"], displacements = [", test.lower, test.upper);
   for (const std::string& name : displacements)
