@@ -7,15 +7,19 @@
 namespace vbond {
 
 /// Energies of bonds and of contacts between particles as these stand, pair by pair; kinetic ones are left at
-/// zero.  [energy]
-inline Energies mutual_energies(const Model& model, const State& state) {
+/// zero. for_pairs(visit) visits the pairs that touch, as for_touching_pairs().  [energy]
+template <class ForPairs>
+Energies mutual_energies(const Model& model, const State& state, ForPairs&& for_pairs) {
   Energies e = bond_energies(state);
-  for_touching_pairs(model, state, [&](ParticleId i, ParticleId j, const Image&, double overlap) {
+  for_pairs([&](ParticleId i, ParticleId j, const Image&, double overlap) {
     const double R = reduced_radius(model.radius[i], model.radius[j]);
     e.contact += normal_energy(touch_forms(model.contact), touch_numbers(model, i, j), R, overlap);
   });
   e.contact += fibre_energy(model, state);
   return e;
+}
+inline Energies mutual_energies(const Model& model, const State& state) {
+  return mutual_energies(model, state, [&](const auto& visit) { for_touching_pairs(model, state, visit); });
 }
 /// The same with those of contacts with walls.  [energy]
 inline Energies potential_energies(const Model& model, const State& state) {

@@ -11,12 +11,12 @@
 
 namespace vbond {
 
-/// Calls visit(i, j, n, overlap) once for every pair of a particle i and an image n of particle j that repel
-/// each other as they stand, i < j, or i = j and n > 0: overlap > 0, what they do not feel of it taken off,
-/// and not bonded if only unbonded pairs touch; those of fibres (model/capsules.hpp) and particles that are
-/// absent apart. For looks now and then, not for a time loop.
+/// Calls visit(i, j, n, distance) once for every pair of a particle i and an image n of particle j whose
+/// surfaces are nearer than the margin and that contacts may keep apart, i < j, or i = j and n > 0: not
+/// bonded if only unbonded pairs touch; those of fibres (model/capsules.hpp) and particles that are absent
+/// apart.
 template <class Visit>
-void for_touching_pairs(const Model& model, const State& state, Visit&& visit) {
+void for_pairs_that_may_touch(const Model& model, const State& state, double margin, Visit&& visit) {
   if (!particles_touch(model.contact) || (model.particles() < 2 && state.cell.empty())) return;
   const auto key = [](std::uint64_t i, std::uint64_t j) { return std::min(i, j) << 32 | std::max(i, j); };
   std::unordered_multimap<std::uint64_t, Image> exempt;  // seen from the lower one
@@ -31,13 +31,28 @@ void for_touching_pairs(const Model& model, const State& state, Visit&& visit) {
   };
   const std::vector<char> of_fibre = particles_of_fibres(model.particles(), state.bonds);
   const auto in_fibre = [&of_fibre](std::size_t p) { return !of_fibre.empty() && of_fibre[p] != 0; };
-  for_overlapping_present(model, state, 0.0, [&](std::size_t i, std::size_t j, const Image& n, double d2) {
-    const ParticleId p{i}, q{j};
+  for_overlapping_present(model, state, margin, [&](std::size_t i, std::size_t j, const Image& n, double d2) {
     if (in_fibre(i) || in_fibre(j) || is_exempt(i, j, n)) return;
-    const double overlap = model.radius[p] + model.radius[q] - std::sqrt(d2);
-    const double felt = overlap - kept_overlap(state, p, q, n);
-    if (felt > 0.0) visit(p, q, n, felt);
+    visit(ParticleId{i}, ParticleId{j}, n, std::sqrt(d2));
   });
+}
+
+/// By how much a pair at this distance repels each other's surfaces: what they do not feel of their overlap
+/// is taken off; 0 or less if they do not touch.  [length]
+inline double felt_overlap(const Model& model, const State& state, ParticleId i, ParticleId j, const Image& n,
+                           double distance) {
+  return model.radius[i] + model.radius[j] - distance - kept_overlap(state, i, j, n);
+}
+
+/// Calls visit(i, j, n, overlap) once for every pair that repel each other as they stand, with the overlap
+/// that they feel. For looks now and then, not for a time loop.
+template <class Visit>
+void for_touching_pairs(const Model& model, const State& state, Visit&& visit) {
+  for_pairs_that_may_touch(model, state, 0.0,
+                           [&](ParticleId i, ParticleId j, const Image& n, double distance) {
+                             const double felt = felt_overlap(model, state, i, j, n, distance);
+                             if (felt > 0.0) visit(i, j, n, felt);
+                           });
 }
 
 }  // namespace vbond

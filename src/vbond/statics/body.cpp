@@ -220,7 +220,7 @@ const StaticBody::Loaded& StaticBody::loads_at_hand() const {
          {norm(f.F), norm(f.M_ij) / unknowns_.length(), norm(f.M_ji) / unknowns_.length()})
       l.largest = larger(l.largest, force);
   }
-  for_touching_pairs(model_, state_, [&](ParticleId i, ParticleId j, const Image& of_j, double) {
+  for_touching([&](ParticleId i, ParticleId j, const Image& of_j, double) {
     const Vec3d F = touch(model_, state_, i, j, of_j).loads.F;
     l.loads.F[i] += F, l.loads.F[j] -= F;
     if (!of_j.is_itself()) add_image(of_j, F, l);
@@ -263,7 +263,7 @@ std::string StaticBody::first_not_finite() const {
                        norm(bonded_points(b, pose)));
   }
   std::string found;
-  for_touching_pairs(model_, state_, [&](ParticleId i, ParticleId j, const Image& n, double overlap) {
+  for_touching([&](ParticleId i, ParticleId j, const Image& n, double overlap) {
     if (found.empty() && !is_finite(touch(model_, state_, i, j, n).loads.F))
       found = fmt::format("contact of particles {} and {}: its force is not finite, at an overlap of {:.3g}",
                           i.value, j.value, overlap);
@@ -279,7 +279,7 @@ std::string StaticBody::first_not_finite() const {
 }
 
 Energies StaticBody::energies() const {
-  Energies e = mutual_energies(model_, state_);
+  Energies e = mutual_energies(model_, state_, [this](const auto& visit) { for_touching(visit); });
   for (const RestTerm* t : terms_.all()) e.contact += t->energy();
   return e;
 }
@@ -289,6 +289,7 @@ void StaticBody::break_bond(BondId k, BreakMode mode) {
   broken.mode = mode;
   if (broken.law->crack != nullptr) return leave_faces(k);
   broken.broken = true;
+  touching_.forget();
   bonded_[broken.i] = bonded_[broken.j] = false;
   for (const Bond& b : state_.bonds)
     if (!b.broken) bonded_[b.i] = bonded_[b.j] = true;

@@ -60,7 +60,7 @@ PerParticle<double> StaticBody::rounding_at_particles() const {
                      eps * angular_scale(b) / std::min(b.a, L);
     sum[b.i] += e, sum[b.j] += e;
   }
-  for_touching_pairs(model_, state_, [&](ParticleId i, ParticleId j, const Image& n, double) {
+  for_touching([&](ParticleId i, ParticleId j, const Image& n, double) {
     const Vec3d r_ij = between(state_, i, j, n);
     const auto force = [&](const Vec3d& at) {
       return norm(contact_tangent(touch_forms(model_.contact), touch_numbers(model_, i, j), at,

@@ -118,7 +118,7 @@ const StaticBody::Stiffness& StaticBody::stiffness_at_hand() const {
   if (stiffness_.current) return stiffness_;
   std::vector<Assembly::Pair> touching;
   std::vector<Image> images;  // of their second particles
-  for_touching_pairs(model_, state_, [&](ParticleId i, ParticleId j, const Image& n, double) {
+  for_touching([&](ParticleId i, ParticleId j, const Image& n, double) {
     touching.push_back({i, j});
     images.push_back(n);
   });
@@ -174,7 +174,7 @@ void StaticBody::for_image_blocks(
     const PairTangent<9> t = b.law->tangent(b, bond_pose(b, state_), history_before(k));
     of_pair(b.i, b.j, b.image_j, block_of(t, unknowns_.length()));
   }
-  for_touching_pairs(model_, state_, [&](ParticleId i, ParticleId j, const Image& n, double) {
+  for_touching([&](ParticleId i, ParticleId j, const Image& n, double) {
     if (!n.is_itself()) of_pair(i, j, n, block_of(touch(model_, state_, i, j, n)));
   });
 }

@@ -17,6 +17,7 @@
 #include "vbond/statics/detail/assembly.hpp"
 #include "vbond/statics/detail/matrix.hpp"
 #include "vbond/statics/detail/rigid.hpp"
+#include "vbond/statics/detail/touching_list.hpp"
 #include "vbond/statics/detail/unknowns.hpp"
 #include "vbond/terms/detail/rest_terms.hpp"
 
@@ -243,6 +244,10 @@ class StaticBody {
     double friction = 0;  // the largest entry of the antisymmetric part of cracked bonds that slip
     bool current = false;
   };
+  template <class Visit>
+  void for_touching(Visit&& visit) const {
+    touching_.for_each(model_, state_, visit);
+  }
   const Loaded& loads_at_hand() const;
   const Stiffness& stiffness_at_hand() const;
   void add_applied(double load_factor, Loads& loads) const;
@@ -307,6 +312,7 @@ class StaticBody {
   bool flows_ = false, at_accepted_ = false;
   PerParticle<Movement> held_rate_;  // of held degrees of freedom per load factor
   double rounding_of_force_ = 0, rounding_of_potential_ = 0;
+  mutable TouchingList touching_;
   mutable std::optional<Loaded> loaded_;
   mutable Stiffness stiffness_;
   mutable std::array<Tensor, 6> cell_row_{};  // what the rows of the cell sum up: look_at_mixing()
