@@ -51,6 +51,7 @@ Heartbeat::Heartbeat(const Run& run, const OutputPlan& plan, const std::string& 
   status_.host = host_name();
   status_.name = title.empty() ? fs::absolute(plan.folder).filename().string() : title;
   status_.stage.count = static_cast<std::int64_t>(run.stages().size());
+  for (std::size_t k = 0; k < run.stages().size(); ++k) status_.stage.names.push_back(run.stages().name(k));
 }
 
 void Heartbeat::follow(FileObservers files) {

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <csignal>
 #include <exception>
+#include <stdexcept>
 #include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "campaign.hpp"
 #include "commands.hpp"
@@ -19,6 +21,7 @@
 #include "shell.hpp"
 #include "signals.hpp"
 #include "static_leg.hpp"
+#include "status.hpp"
 #include "vbond/case/read.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/observe/bond_look.hpp"
@@ -210,6 +213,30 @@ int run_to_end(Campaign& campaign, std::FILE* status_lines) {
   }
 }
 
+/// The names of the stages that the run had; none where that is not known.
+std::vector<std::string> names_of_stages(const fs::path& folder) {
+  try {
+    return read_status(folder).stage.names;
+  } catch (const std::invalid_argument&) {
+    return {};  // a run goes on without a status that can be read
+  }
+}
+
+/// A checkpoint counts stages: those that have begun must be the first ones still.
+void check_stages(const Case& c, const Clock& now, const fs::path& folder) {
+  const std::vector<std::string> names = names_of_stages(folder);
+  const auto begun = static_cast<std::size_t>(now.stage) + (now.stage_step > 0 ? 1 : 0);
+  for (std::size_t k = 0; k < std::min(begun, names.size()); ++k) {
+    if (k < c.stages.size() && c.stages[k].name == names[k]) continue;
+    throw CaseError(
+        {k < c.stages.size() ? c.stages[k].place : SourcePlace{(folder / "resolved.toml").string(), 0, 0},
+         fmt::format("resolved.toml was edited: stage {} of the run was \"{}\"{}", k + 1, names[k],
+                     k < c.stages.size() ? ", and is \"" + c.stages[k].name + "\" now" : ""),
+         "stages that have begun keep their place and their name; others may be edited",
+         "undo the edit, or start a new run of the edited case with vbond run"});
+  }
+}
+
 /// What may not be edited before going on. An elastic bond keeps its constants for good: the bonds of the
 /// start must be those the run began with.
 void check_edits(const Case& c, const State& start, const State& now, const fs::path& case_file) {
@@ -366,6 +393,7 @@ int resume(const fs::path& folder, const RunOptions& options) {
   require_memory(c, processes.here());
   Built built = build(c, options.threads);
   Checkpoint checkpoint = read_checkpoint(folder / "checkpoint.h5", built.model);
+  check_stages(c, checkpoint.state.clock, folder);
   check_edits(c, built.state, checkpoint.state, folder / "resolved.toml");
   const Clock clock = checkpoint.state.clock;  // all of the state that observers go on from
   Run run(std::move(built.model), std::move(checkpoint.state), stages_of(c, options.threads),

@@ -51,6 +51,7 @@ StageStatus stage_status(const Json& j) {
   s.kind = named(j.at("kind"), all_kinds);
   s.steps = whole_number(j.at("steps"));
   s.end_time = number_or_null(j.at("end_time"));
+  if (j.contains("names")) s.names = j["names"].get<std::vector<std::string>>();
   return s;
 }
 
@@ -114,7 +115,8 @@ Json json_of(const RunStatus& s) {
                 {"name", s.stage.name},
                 {"kind", vbond::to_text(s.stage.kind)},
                 {"steps", s.stage.steps},
-                {"end_time", or_null(s.stage.end_time)}}},
+                {"end_time", or_null(s.stage.end_time)},
+                {"names", s.stage.names}}},
               {"step", s.step},
               {"time", s.time},
               {"seconds_left", or_null(s.seconds_left)},

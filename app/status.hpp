@@ -21,6 +21,7 @@ struct StageStatus {
   StageKind kind = StageKind::dynamics;
   std::int64_t steps = 0;          ///< made in it; of a static one: points of balance found
   std::optional<double> end_time;  ///< of the run, if it lasts for all its duration  [time]
+  std::vector<std::string> names;  ///< of all stages; none in a status of an earlier version
 };
 
 /// What status.json holds: where a run is, for those who look at it from outside.

@@ -72,3 +72,46 @@ def test_a_signal_before_the_first_step(attempt):  # as soon as there is a file
     folder = f"early_{attempt}"
     stop_at(1, folder, "run long.toml -o", folder)
     assert Path(folder, "checkpoint.h5").stat().st_size
+
+
+STAGES = """
+[[specimen]]
+kind = "rod"
+particles = 5
+radius = 0.4
+mass = 1.0
+inertia = 0.064
+[[bonds]]
+distance = 1.1
+stiffness = {c_A = 1.0, c_D = 0.4, c_B = 0.05, c_T = 0.05}
+[[stage]]
+name = "first"
+duration = 10.0
+[[stage]]
+name = "second"
+duration = 1e6
+[[stage]]
+name = "third"
+duration = 20.0
+[output]
+history = {every = 10.0}
+"""
+
+
+@pytest.mark.parametrize("by", [SIGTERM, SIGKILL], ids=["stopped", "killed"])
+def test_stages_that_have_begun_keep_their_places(work, by):
+    # A checkpoint counts stages. Without the first one "third" would go on where "second" was; with one more before it
+    # "second" would begin anew.
+    folder = f"begun_{by.name}"
+    stop_at(20, folder, "run", write("stages.toml", STAGES, ("^history.*", "history = {every = 10.0}\\ncheckpoint = {every = 10.0}")),
+            "-o", folder, by=by)
+    whole = Path(folder, "resolved.toml").read_text()
+    first = whole[whole.index("[[stage]]"):whole.index("[[stage]]", whole.index("[[stage]]") + 1)]
+    for edit, rule in [(whole.replace(first, ""), '"first", and is "second" now'),
+                       (whole.replace(first, first + first.replace('"first"', '"more"')), '"second", and is "more" now'),
+                       (whole.replace('"second"', '"renamed"'), '"second", and is "renamed" now')]:
+        Path(folder, "resolved.toml").write_text(edit)
+        vbond("resume", folder, status=2, err=[rule, "stages that have begun keep their place and their name"])
+    Path(folder, "resolved.toml").write_text(whole.replace("1000000.0", "30.0").replace('"third"', '"last"'))
+    vbond("resume", folder)  # later stages, and how long this one lasts, may be edited
+    assert values(folder, "name")[-3:] == ["first", "second", "last"]
