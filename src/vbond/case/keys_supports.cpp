@@ -110,10 +110,10 @@ void describe(Table& t, LoadSpec& s, std::optional<StageKind> kind) {
   t.key("total_moment", s.total_moment, vector_of(moment), optional,
         "on the whole group, as moments on its particles, shared by mass: a torque about any axis along it");
   t.when(!kind || takes_followers(*kind), "kind = \"dynamics\", \"equilibrium\" or \"path\"", [&] {
-    t.key(
-        "follower", s.follower, FlagCodec{}, optional,
-        "the load turns with each particle: it is given along the particle's own axes, those of the world as "
-        "the run begins");
+    t.key("follower", s.follower, FlagCodec{}, optional,
+          "the load turns with each particle: it is given along the particle's own axes, those of the world "
+          "where "
+          "the case has not turned it");
   });
   t.when(!kind || !is_static(*kind), in_dynamics, [&] { describe(t, s.factor); });
   t.when(!kind || is_static(*kind), in_statics, [&] {

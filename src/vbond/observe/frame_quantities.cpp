@@ -29,9 +29,8 @@ constexpr ParticleQuantity of_particles[] = {
     {"angular_velocity", unit::angular_velocity, "in the world frame",
      [](const Particle& p) { return p.state.omega[p.id]; }},
     {"rotation", unit::angle,
-     "rotation vector since the start: direction is the axis, length the angle, 0 to pi; of a body that came "
-     "in "
-     "turned, with that turn",
+     "rotation vector since the start: direction is the axis, length the angle, 0 to pi; of a body that the "
+     "case or a source has turned, with that turn",
      [](const Particle& p) { return rotation_vector(p.state.q[p.id]); }},
     {"displacement", unit::length,
      "position less position at the start, or as the particle came in from a source",
