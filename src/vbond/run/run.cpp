@@ -157,29 +157,24 @@ void Run::take_part() {
           "several processes step the body: no pressure may act; take one process, with threads");
   require(std::none_of(stage.supports.begin(), stage.supports.end(), is_free_grip),
           "several processes step the body: no rigid group may be free in part");
-  const double reach = simulation_->reach();
-  const bool knows_all = simulation_->any_capsules_to_come();
+  const MayMeet may_meet = simulation_->what_may_meet();
   State begun = std::move(*std::exchange(simulation_, {})).take_state();
-  Share share = partition_->spread(model_, begun, reach, knows_all);
+  Share share = partition_->spread(model_, begun, may_meet.reach, may_meet.all);
   simulation_ = part_of(std::move(begun), std::move(share));
 }
 
-/// A periodic body, whose images are found anew, or one in parts.
-void Run::spread_anew() {
+/// With another simulation of the stage under way, as from a checkpoint of the same moment. All bodies that
+/// are due have come in at once, so that the loop is set up anew once for all of them.
+void Run::go_on_from(Handover next) {
   const std::unique_ptr<Simulation> before = std::exchange(simulation_, {});
-  go_on_in(std::move(*before).take_state());
-  simulation_->take_over_observers(*before);
-}
-
-/// With another simulation of the stage under way.
-void Run::go_on_in(State state) {
   if (partition_ == nullptr) {
-    state_ = std::move(state);
+    state_ = std::move(next.state);
     simulation_ = std::make_unique<Simulation>(model_, std::get<Stage>(*stage_), &state_, threads_);
   } else {
-    Share share = partition_->spread_anew(model_, state);
-    simulation_ = part_of(std::move(state), std::move(share));
+    Share share = partition_->spread_anew(model_, next.state);
+    simulation_ = part_of(std::move(next.state), std::move(share));
   }
+  simulation_->take_over(*before, next.passed);
 }
 
 const std::vector<StageResult>& Run::run() {
@@ -243,19 +238,12 @@ void Run::tell_stage_end(StopReason why, const std::string& failure) {
 /// The same, without particles that are lost on the way, if the stage drops such.
 StopReason Run::steps_of_stage(std::int64_t most) {
   const std::int64_t first = clock().step;
-  for (bool again = false;; again = true) try {
-      if (again) simulation_->look_again();
-      while (true) {
-        const StopReason why = simulation_->run(hooks_.interrupted, most - (clock().step - first));
-        if (why != StopReason::running) return why;
-        const bool goes_on = clock().step - first < most;  // else it is visited when the run goes on
-        if (goes_on && simulation_->visit_is_due())
-          visit();
-        else if (simulation_->has_outgrown_its_part())
-          spread_anew();
-        else
-          return why;
-      }
+  while (true) try {
+      const StopReason why = simulation_->run(hooks_.interrupted, most - (clock().step - first));
+      if (why != StopReason::running) return why;
+      std::optional<Handover> next = simulation_->handover();
+      if (!next) return why;
+      go_on_from(std::move(*next));
     } catch (const ParticlesLost& found) {
       if (!drop(found)) throw;
     }
