@@ -22,6 +22,7 @@
 #include "vbond/dynamics/contacts.hpp"
 #include "vbond/dynamics/damping.hpp"
 #include "vbond/dynamics/encounters.hpp"
+#include "vbond/dynamics/handover.hpp"
 #include "vbond/dynamics/kernel.hpp"
 #include "vbond/dynamics/observer.hpp"
 #include "vbond/dynamics/partition.hpp"
@@ -33,7 +34,6 @@
 #include "vbond/model/drop.hpp"
 #include "vbond/model/loads.hpp"
 #include "vbond/model/model.hpp"
-#include "vbond/model/passage.hpp"
 #include "vbond/model/stage.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/terms/motion_terms.hpp"
@@ -49,25 +49,6 @@ struct Deep {
   const Encounters& particles;
   const Capsules& capsules;
   const MotionWalls& walls;
-};
-
-/// What one process steps of a body.
-struct OwnPart {
-  std::vector<ParticleId> particles;  ///< in increasing order
-  std::vector<BondId> bonds;          ///< of which one is the first end, broken ones too, in increasing order
-  const State& state;  ///< up to date for these alone, and for where both ends of the bonds are
-};
-
-/// Which particles of a body may meet.
-struct MayMeet {
-  double reach = 0;  ///< those that are nearer may touch or be bonded, capsules apart; 0: none  [length]
-  bool all = false;  ///< bonds touch as capsules, or may be made so: each process works out all of them
-};
-
-/// What another Simulation of the stage goes on from.
-struct Handover {
-  State state;
-  Passage passed;  ///< what a visit has done
 };
 
 /// One stage of a run: a const Model, a Stage, and the State that the step loop moves.
