@@ -202,16 +202,16 @@ TEST(Capsules, ThatAreDeepOrFastAreTold) {
   for (const std::size_t p : {0u, 1u}) s.state.r[ParticleId{p}].z = -0.05;
   Simulation slow(s.model, plain_stage(1e-3, 5.0), s.state);
   slow.step();
-  ASSERT_EQ(slow.deep_capsules(0.1).size(), 1u);  // 0.15 of 0.2
-  EXPECT_TRUE(slow.deep_capsules(0.8).empty());
-  EXPECT_EQ(slow.deep_capsules(0.1)[0].first, "bond 0 (particles 0, 1)");
-  EXPECT_EQ(slow.deep_capsules(0.1)[0].second, "bond 1 (particles 2, 3)");
-  EXPECT_NEAR(slow.deep_capsules(0.1)[0].overlap, 0.151, 1e-3);
-  EXPECT_FALSE(slow.fastest());
+  ASSERT_EQ(slow.deep().capsules.deeper_than(0.1).size(), 1u);  // 0.15 of 0.2
+  EXPECT_TRUE(slow.deep().capsules.deeper_than(0.8).empty());
+  EXPECT_EQ(slow.deep().capsules.deeper_than(0.1)[0].first, "bond 0 (particles 0, 1)");
+  EXPECT_EQ(slow.deep().capsules.deeper_than(0.1)[0].second, "bond 1 (particles 2, 3)");
+  EXPECT_NEAR(slow.deep().capsules.deeper_than(0.1)[0].overlap, 0.151, 1e-3);
+  EXPECT_FALSE(slow.deep().particles.fastest());
   // a quarter of the least radius in a step, against the mean of all
   Simulation fast(s.model, plain_stage(0.06, 5.0), s.state);
   fast.step();
-  EXPECT_TRUE(fast.fastest());
+  EXPECT_TRUE(fast.deep().particles.fastest());
 }
 
 TEST(Capsules, AreInTheStepBound) {

@@ -105,7 +105,7 @@ TEST(WallFault, IsForeseenByTheDepthInWalls) {
   Specimen s = sphere({0, 0, 0.5}, 0.5, 1.0, linear(10.0, 0.0), {floor_at(0), floor_at(-1)});
   const auto deep = [&](double z) {
     s.state.r[first].z = z;
-    return Simulation(s.model, testing::plain_stage(1e-3, 1.0), s.state).terms().walls.deeper_than(0.1);
+    return Simulation(s.model, testing::plain_stage(1e-3, 1.0), s.state).deep().walls.deeper_than(0.1);
   };
   EXPECT_TRUE(deep(0.451).empty());
   const std::vector<DeepInWall> found = deep(0.4);

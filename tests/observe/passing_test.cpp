@@ -180,8 +180,8 @@ TEST(Passing, ABodyThatFliesAsAWholeIsNotFast) {
   stage.dt = 0.1;
   Simulation run(model, stage, state);
   run.step();
-  EXPECT_FALSE(run.fastest());
-  EXPECT_TRUE(run.encounters().empty());
+  EXPECT_FALSE(run.deep().particles.fastest());
+  EXPECT_TRUE(run.deep().particles.found().empty());
 }
 
 TEST(Passing, CanBeSwitchedOff) {

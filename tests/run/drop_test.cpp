@@ -103,7 +103,7 @@ TEST(Drop, TheSpeedOfTheRestIsMeasuredAgainstTheRest) {
   s.state.v[ParticleId{0}] = s.state.v[ParticleId{1}] = {100, 0, 0};
   Simulation run(s.model, testing::plain_stage(0.01, 1.0), s.state);
   run.step();
-  EXPECT_FALSE(run.fastest());
+  EXPECT_FALSE(run.deep().particles.fastest());
 }
 
 TEST(Drop, TheLastOneStopsTheRun) {

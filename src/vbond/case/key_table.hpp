@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "vbond/case/value.hpp"
+#include "vbond/case/value_lists.hpp"
 
 /// The one table of keys. A function `describe(Table&, T&)` names each key of a struct once, with its codec,
 /// whether it is needed, and what it means; the three kinds of Table read, write and document the struct with

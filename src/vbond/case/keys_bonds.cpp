@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "vbond/case/keys.hpp"
+#include "vbond/case/special_values.hpp"
 
 namespace vbond::keys {
 namespace {

@@ -1,4 +1,5 @@
 #include "vbond/case/keys.hpp"
+#include "vbond/case/special_values.hpp"
 
 namespace vbond::keys {
 namespace {

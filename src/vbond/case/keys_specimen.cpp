@@ -4,7 +4,7 @@
 #include <set>
 #include <string>
 
-#include "vbond/case/keys.hpp"
+#include "vbond/case/keys_specimen.hpp"
 #include "vbond/physics/top.hpp"
 
 namespace vbond::keys {
@@ -13,11 +13,6 @@ namespace {
 const CountCodec two_or_more{2}, one_or_more{1};
 constexpr const char* spacing_doc = "distance between neighbours";
 constexpr const char* origin_doc = "position of the first particle";
-
-void check_total(Table& t, double particles, const std::vector<std::string>& keys) {
-  t.check(particles <= static_cast<double>(most_particles), keys, "must not make more than 1e8 particles",
-          "take fewer particles");
-}
 
 /// As many particles as triangles of this spacing have on the area.
 void check_random(Table& t, double area, double spacing) {
@@ -89,19 +84,6 @@ void describe_principal_inertia(Table& t, SpecimenSpec& s) {
     t.check(!positive_definite || keep_the_triangle_inequality(principal->moments), {"inertia_tensor"}, rule,
             way_out);
   }
-}
-
-/// What is done with the points of any shape, in this order.
-void describe_arrangement(Table& t, SpecimenSpec& s) {
-  t.tables("cut", s.cut, optional, "regions that take particles away, one after another: first of all");
-  t.table("turn", s.turn, "turns places and orientations: after the cuts");
-  t.key("move", s.move, vector_of(length), optional, "added to all positions: after the turn");
-  t.tables("array", s.array, optional, "copies in a row; two or three tables make a grid: last of all");
-  double copies = 1.0;
-  for (const CopiesSpec& c : s.array) copies *= static_cast<double>(c.count);
-  t.check(s.array.size() <= 3, {"array"}, "must have at most 3 tables",
-          "put more rows into specimens of their own");
-  check_total(t, copies, {"array"});
 }
 
 }  // namespace
@@ -351,51 +333,6 @@ void describe(Table& t, LammpsSpecimen& s) {
 
 void describe(Table& t, ListedSpecimen& s) {
   t.key("positions", s.positions, list_of(vector_of(length), 1), required, "one position per particle");
-}
-
-// ---- solids that particles have the inertia of ----------------------------------------------------
-
-void describe(Table& t, SolidSpec& s) {
-  const std::vector<std::string> forms{"ellipsoid", "box", "cylinder"};
-  t.alternatives(s.shape, t.exactly_one(forms, s.shape.index()), forms);
-}
-
-void describe(Table& t, EllipsoidSolid& s) {
-  t.key("ellipsoid", s.semi_axes, tuple_of<3>(positive(length)), required,
-        "its semi-axes along x, y, z of the particle");
-}
-
-void describe(Table& t, BoxSolid& s) {
-  t.key("box", s.edges, tuple_of<3>(positive(length)), required, "its edges along x, y, z of the particle");
-}
-
-void describe(Table& t, CylinderSolid& s) {
-  t.key("cylinder", s.size, tuple_of<2>(positive(length)), required,
-        "its radius and its length, along z of the particle");
-}
-
-// ---- what is done with the points ---------------------------------------------------------------
-
-void describe(Table& t, CutSpec& c) {
-  t.locate(c.place);
-  const std::vector<std::string> forms{"box", "sphere", "cylinder", "plane", "half_space", "mesh"};
-  t.alternatives(c.region, t.exactly_one(forms, c.region.index()), forms);
-  using enum CutSpec::Keep;
-  t.key("keep", c.keep, ChoiceCodec<CutSpec::Keep>{{"outside", "inside"}, {outside, inside}}, optional,
-        "the particles that stay: those outside of the region, or those in it");
-}
-
-void describe(Table& t, TurnSpec& turn) {
-  t.key("axis", turn.axis, direction_vector, optional, "of the rotation; its length does not matter");
-  t.key("angle", turn.angle, number(angle), required, "right-handed about the axis");
-  t.key("about", turn.about, vector_of(length), optional, "a point of the axis");
-}
-
-void describe(Table& t, CopiesSpec& c) {
-  t.key("count", c.count, one_or_more, required, "number of copies, the first one counted");
-  t.key("step", c.step, vector_of(length), required, "from one copy to the next");
-  t.check(c.count == 1 || c.step != Vec3d{}, {"step", "count"},
-          "must not be zero: copies would lie on one another", "write for example step = [10, 0, 0]");
 }
 
 }  // namespace vbond::keys

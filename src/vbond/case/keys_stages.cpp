@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "vbond/case/keys.hpp"
+#include "vbond/case/special_values.hpp"
 
 namespace vbond::keys {
 namespace {

@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -112,12 +113,18 @@ struct UnitCodec {
 struct CountCodec {
   std::int64_t min = 0, max = most_particles;
   bool read(const Node& n, ReadContext& in, const std::string& path, std::int64_t& out) const;
-  bool read(const Node& n, ReadContext& in, const std::string& path, std::uint64_t& out) const;
-  /// max must fit.
-  bool read(const Node& n, ReadContext& in, const std::string& path, int& out) const;
-  std::string write(int x) const { return std::to_string(x); }
-  std::string write(std::int64_t x) const { return std::to_string(x); }
-  std::string write(std::uint64_t x) const { return std::to_string(x); }
+  /// max must fit into T.
+  template <std::integral T>
+  bool read(const Node& n, ReadContext& in, const std::string& path, T& out) const {
+    std::int64_t x = 0;
+    if (!read(n, in, path, x)) return false;
+    out = static_cast<T>(x);
+    return true;
+  }
+  template <std::integral T>
+  std::string write(T x) const {
+    return std::to_string(x);
+  }
   std::string type() const;
   std::string schema() const;
   std::string example(UnitSystem) const { return std::to_string(min > 0 ? min : 1); }
@@ -231,35 +238,9 @@ struct TimeCodec {
   std::string example(UnitSystem) const { return "\"10 T0\""; }
 };
 
-/// A time, or "exact".
-struct StepCodec {
-  bool read(const Node& n, ReadContext& in, const std::string& path,
-            std::variant<CaseTime, ExactStep>& out) const;
-  std::string write(const std::variant<CaseTime, ExactStep>& step) const;
-  std::string type() const { return TimeCodec{}.type() + ", or \"exact\""; }
-  std::string schema() const { return any_of({TimeCodec{}.schema(), enum_schema({"exact"})}); }
-  std::string example(UnitSystem u) const { return TimeCodec{}.example(u); }
-};
-
-/// A volume, or how to work it out.
-struct StressVolumeCodec {
-  bool read(const Node& n, ReadContext& in, const std::string& path,
-            std::variant<double, StressVolume>& out) const;
-  std::string write(const std::variant<double, StressVolume>& x) const;
-  std::string type() const { return positive(volume).type() + ", \"box\" or \"spheres\""; }
-  std::string schema() const { return any_of({positive(volume).schema(), enum_schema({"box", "spheres"})}); }
-  std::string example(UnitSystem) const { return "\"box\""; }
-};
-
-/// [[t, factor], ...]: increasing times of one kind; zero is of any kind.
-struct TimeTableCodec {
-  bool read(const Node& n, ReadContext& in, const std::string& path,
-            std::vector<std::pair<CaseTime, double>>& out) const;
-  std::string write(const std::vector<std::pair<CaseTime, double>>& points) const;
-  std::string type() const { return "list of [time, factor]"; }
-  std::string schema() const { return list_schema(list_schema(any_number.schema(), 2, 2), 1); }
-  std::string example(UnitSystem) const { return "[[0, 0.0], [\"10 T0\", 1.0]]"; }
-};
+/// Reports a list of another length.
+bool refuse_length(const Node& n, ReadContext& in, const std::string& path, std::size_t is,
+                   std::size_t wanted, const std::string& example);
 
 /// Reports a value that is no list of some of `names`, with how it is written.
 bool refuse_subset(const Node& n, ReadContext& in, const std::string& path,
@@ -297,151 +278,5 @@ struct SubsetCodec {
   std::string schema() const { return list_schema(enum_schema(names), 0); }
   std::string example(UnitSystem) const { return "[" + toml_string(names.front()) + "]"; }
 };
-
-/// What a support holds: names of degrees of freedom, and directions of translations.
-struct FixCodec {
-  bool read(const Node& n, ReadContext& in, const std::string& path, SupportSpec& out) const;
-  std::string write(const SupportSpec& s) const;
-  std::string type() const { return "list of " + join(names(), "\"") + " or " + direction_vector.type(); }
-  std::string schema() const {
-    return list_schema(any_of({enum_schema(names()), direction_vector.schema()}), 0);
-  }
-  std::string example(UnitSystem) const { return "[\"x\"]"; }
-
- private:
-  static const std::vector<std::string>& names();
-};
-
-/// Where a bond is fastened: "centres", "surfaces", a distance, or one for each end.
-struct AttachCodec {
-  bool read(const Node& n, ReadContext& in, const std::string& path, BondRecipe& out) const;
-  std::string write(const BondRecipe& r) const;
-  std::string type() const { return "\"centres\", \"surfaces\", \"neck\", length >= 0, or [R_i, R_j]"; }
-  std::string schema() const {
-    return any_of({enum_schema({"centres", "surfaces", "neck"}), from_zero.schema(),
-                   list_schema(from_zero.schema(), 2, 2)});
-  }
-  std::string example(UnitSystem) const { return "\"centres\""; }
-};
-
-// ---- compounds ---------------------------------------------------------------------------------
-
-template <class T>
-struct IsWrapped : std::false_type {};
-template <class T>
-struct IsWrapped<std::optional<T>> : std::true_type {};
-template <class T>
-struct IsWrapped<Placed<T>> : std::true_type {};
-
-/// Reads through std::optional and Placed, which is filled with the place of the value.
-template <class Codec, class T>
-bool read_value(const Codec& codec, const Node& n, ReadContext& in, const std::string& path, T& out) {
-  if constexpr (IsWrapped<T>::value) {
-    T wrapped;
-    if constexpr (requires { wrapped.place; }) {
-      wrapped.place = in.place(n);
-      if (!read_value(codec, n, in, path, wrapped.value)) return false;
-    } else {
-      wrapped.emplace();
-      if (!read_value(codec, n, in, path, *wrapped)) return false;
-    }
-    out = std::move(wrapped);
-    return true;
-  } else {
-    return codec.read(n, in, path, out);
-  }
-}
-
-/// Writes through std::optional and Placed; empty text if there is no value.
-template <class Codec, class T>
-std::string write_value(const Codec& codec, const T& x) {
-  if constexpr (IsWrapped<T>::value) {
-    if constexpr (requires { x.place; })
-      return write_value(codec, x.value);
-    else
-      return x ? write_value(codec, *x) : std::string{};
-  } else {
-    return codec.write(x);
-  }
-}
-
-/// A list of any length from `min` on.
-template <class Codec>
-struct ListCodec {
-  Codec element;
-  std::size_t min = 0;
-
-  template <class T>
-  bool read(const Node& n, ReadContext& in, const std::string& path, std::vector<T>& out) const {
-    const auto* items = std::get_if<NodeList>(&n.value);
-    if (!items) return in.refuse_kind(n, path, type(), example(in.units));
-    if (items->size() < min)
-      return in.refuse(n, path, "must have at least " + std::to_string(min) + " element",
-                       such_as(path, example(in.units)));
-    std::vector<T> read_items(items->size());
-    bool good = true;
-    for (std::size_t k = 0; k < items->size(); ++k)
-      good =
-          read_value(element, (*items)[k], in, path + "[" + std::to_string(k) + "]", read_items[k]) && good;
-    if (good) out = std::move(read_items);
-    return good;
-  }
-  template <class T>
-  std::string write(const std::vector<T>& items) const {
-    std::string text = "[";
-    for (const T& item : items) {
-      if (text.size() > 1) text += ", ";
-      text += write_value(element, item);
-    }
-    return text + "]";
-  }
-  std::string type() const { return "list of " + element.type(); }
-  std::string schema() const { return list_schema(element.schema(), min); }
-  std::string example(UnitSystem u) const { return "[" + element.example(u) + "]"; }
-};
-template <class Codec>
-ListCodec<Codec> list_of(const Codec& element, std::size_t min = 0) {
-  return {element, min};
-}
-
-bool refuse_length(const Node& n, ReadContext& in, const std::string& path, std::size_t is,
-                   std::size_t wanted, const std::string& example);
-
-/// A list of exactly N.
-template <class Codec, std::size_t N>
-struct TupleCodec {
-  Codec element;
-
-  template <class T>
-  bool read(const Node& n, ReadContext& in, const std::string& path, std::array<T, N>& out) const {
-    const auto* items = std::get_if<NodeList>(&n.value);
-    if (!items) return in.refuse_kind(n, path, type(), example(in.units));
-    if (items->size() != N) return refuse_length(n, in, path, items->size(), N, example(in.units));
-    std::array<T, N> read_items{};
-    bool good = true;
-    for (std::size_t k = 0; k < N; ++k)
-      good =
-          read_value(element, (*items)[k], in, path + "[" + std::to_string(k) + "]", read_items[k]) && good;
-    if (good) out = std::move(read_items);
-    return good;
-  }
-  template <class T>
-  std::string write(const std::array<T, N>& items) const {
-    std::string text = "[";
-    for (std::size_t k = 0; k < N; ++k) text += (k > 0 ? ", " : "") + write_value(element, items[k]);
-    return text + "]";
-  }
-  std::string type() const { return std::to_string(N) + " x " + element.type(); }
-  std::string schema() const { return list_schema(element.schema(), N, N); }
-  std::string example(UnitSystem u) const {
-    std::string text = "[";
-    for (std::size_t k = 0; k < N; ++k) text += (k > 0 ? ", " : "") + element.example(u);
-    return text + "]";
-  }
-};
-template <std::size_t N, class Codec>
-TupleCodec<Codec, N> tuple_of(const Codec& element) {
-  return {element};
-}
 
 }  // namespace vbond::keys

@@ -69,6 +69,7 @@ class Encounters {
   /// Of the last step. After `most` of them it is left at that: one is enough to end a run.
   const std::vector<Encounter>& found() const { return found_; }
   const std::optional<FastParticle>& fastest() const { return fastest_; }
+  bool any() const { return !found_.empty() || fastest_; }
   static constexpr std::size_t most = 1000;
 
  private:

@@ -22,6 +22,7 @@
 #include "vbond/dynamics/contacts.hpp"
 #include "vbond/dynamics/damping.hpp"
 #include "vbond/dynamics/encounters.hpp"
+#include "vbond/dynamics/handover.hpp"
 #include "vbond/dynamics/kernel.hpp"
 #include "vbond/dynamics/observer.hpp"
 #include "vbond/dynamics/partition.hpp"
@@ -33,7 +34,6 @@
 #include "vbond/model/drop.hpp"
 #include "vbond/model/loads.hpp"
 #include "vbond/model/model.hpp"
-#include "vbond/model/passage.hpp"
 #include "vbond/model/stage.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/terms/motion_terms.hpp"
@@ -43,6 +43,13 @@ namespace vbond {
 /// What a particle without bonds costs in a step, in bonds: by itself, and its contacts, of which there are
 /// some three of twice the work of a bond.
 std::size_t work_of_particle(const Model& model);
+
+/// What is deep in one another, for those who watch.
+struct Deep {
+  const Encounters& particles;
+  const Capsules& capsules;
+  const MotionWalls& walls;
+};
 
 /// One stage of a run: a const Model, a Stage, and the State that the step loop moves.
 /// Observers see it read-only. Results are bitwise the same for any number of threads.
@@ -73,79 +80,26 @@ class Simulation final : public BodyView, private MotionHost {
     steps_to_look_ = 1;
   }
 
-  /// The processes that step the body.
-  const Exchange& exchange() const { return exchange_; }
-  /// Of a part: the particles that it moves, and the bonds of which one is the first end, broken ones too, in
-  /// increasing order.
-  std::vector<ParticleId> own_particles() const;
-  std::vector<BondId> own_bonds() const;
-  /// As state(), up to date for these alone, and for where both ends of these bonds are: at less cost.
-  const State& own_state() const;
-
-  /// After so many steps the processes that step a body tell each other of failures and interruptions; who
-  /// looks more often has them wait for that look alone. 1 where one process steps the whole body.
-  std::int64_t steps_between_meetings() const { return is_part_ ? 64 : 1; }
-  /// Particles that are nearer than this may touch or be bonded, capsules apart; 0: none.  [length]
-  double reach() const;
-  /// Whether bonds touch as capsules, or may be made so: each process works out all of them, and must know
-  /// all particles.
-  bool any_capsules_to_come() const;
-  /// Of a part: its particles have gone so far that the body is to be spread anew. run() ends.
-  /// Of a periodic body: images of particles may be missing of what may touch.
-  bool has_outgrown_its_part() const { return has_outgrown_; }
-  /// What lets bodies in and takes particles out is to be visited before the next step. run() ends.
-  bool visit_is_due() const { return state_.clock.stage_step == next_visit_; }
-
+  // ---- going on ----
   /// One time step of stage().dt. Throws Diverged if a load is not finite or a new bond is impossible; where
-  /// the stage drops particles that have passed through walls, ParticlesLost after the step. Of a periodic
-  /// body whose particles touch run() tells when images must be found anew: has_outgrown_its_part().
+  /// the stage drops particles that have passed through walls, ParticlesLost after the step. Visits nothing,
+  /// and finds no images anew: run() does.
   void step();
-
-  /// Steps until a stop condition holds or `interrupted` (asked after every step) says so, or until `most`
-  /// steps are made: StopReason::running. Observers are told of the end, and of an interruption.
+  /// Steps until a stop condition holds or `interrupted` (asked after every step) says so: observers are told
+  /// of it. StopReason::running: `most` steps are made, or there is a handover().
   StopReason run(const std::function<bool()>& interrupted = {},
                  std::int64_t most = std::numeric_limits<std::int64_t>::max());
-  /// Why the stage ends here, if it does.
-  StopReason stop_reason() const;
-  /// Of a simulation that goes on with the state of another one, without particles that drop() took out of
-  /// it: takes over what that one has not told its observers yet, with the bonds that broke by this, and
-  /// counts the energy that has gone as released. Returns that energy.
-  double take_over(Simulation& with_them, const std::vector<BondEvent>& broken);
-  /// It was visited, and has changed nothing but how many bodies are due.
-  void note_visit(std::vector<SourceRecord> sources);
-  /// Of a simulation that goes on with the state of another one after a visit that has changed it: books what
-  /// came in and went, given the energy before it. The observers are taken over besides.
-  void take_over(const Passage& passed, double energy_before);
-  /// Of a part of a body that was spread anew: takes over the observers of the part before, and what it has
-  /// not told them yet.
-  void take_over_observers(Simulation& before);
-  /// Shows the observers this step again.
-  void look_again() { notify_observers(); }
   /// Tells the observers that the stage ends here.
   void finish(StopReason why);
 
+  // ---- the body ----
   const Stage& stage() const { return stage_; }
-  /// Bonds that have broken in this stage.
-  std::int64_t breaks() const { return state_.breaks; }
-  /// state() at the end, without a copy: nothing else may be asked of the simulation afterwards.
-  State take_state() &&;
-  /// Pairs that were deep in one another in the last step, as far as contacts are to keep them apart, and the
-  /// fastest particle if it was too fast for that: observers look at every step that has any.
-  const std::vector<Encounter>& encounters() const { return encounters_.found(); }
-  const std::optional<FastParticle>& fastest() const { return encounters_.fastest(); }
-  /// The particle that turns by more than longest_turn in a step, and farthest of all whose bonds or unequal
-  /// moments of inertia feel it (model/turn_bound.hpp). Looks at all of them, so not for every step.
-  std::optional<FastTurn> fastest_turn() const;
-  /// What acts on the body besides bonds, contacts, supports and loads.
-  const MotionTerms& terms() const { return terms_; }
-  /// Capsules that overlap each other or particles by more than this part of the smaller radius.
-  std::vector<DeepCapsules> deep_capsules(double part) const { return capsules_.deeper_than(part); }
-  /// Whether some are so deep that observers look at once.
-  bool any_deep_capsules() const { return capsules_.deep(); }
   /// Bonds made and broken since observers looked last, all of them if there is no observer, in the order in
   /// which it happened, those of a step in the order of bonds. Observers look at every step in which bonds
   /// broke, after it.
   const std::vector<BondEvent>& events() const { return events_; }
+  /// reaction() with the loads of the bonds that broke in the last step.
+  Reaction reaction_before_breaks(const std::vector<ParticleId>& particles) const;
   /// Forces and moments at the present positions, in the numbering of the model; collected at each call. Of a
   /// part those on its own particles.
   Loads loads() const { return bodies_.collect(bodies_.load); }
@@ -154,23 +108,44 @@ class Simulation final : public BodyView, private MotionHost {
   /// Where the wall time of the steps has gone.
   const StepTimes& times() const { return times_; }
 
-  /// reaction() with the loads of the bonds that broke in the last step.
-  Reaction reaction_before_breaks(const std::vector<ParticleId>& particles) const;
+  // ---- what may be wrong with it ----
+  /// What is deep in one another, or too fast for contacts to keep it apart; observers look at every step
+  /// after which particles or capsules are.
+  Deep deep() const { return {encounters_, capsules_, terms_.walls}; }
+  /// The particle that turns by more than longest_turn in a step, and farthest of all whose bonds or unequal
+  /// moments of inertia feel it (model/turn_bound.hpp). Looks at all of them, so not for every step.
+  std::optional<FastTurn> fastest_turn() const;
+
+  // ---- processes that share it ----
+  /// Those that step the body.
+  const Exchange& exchange() const { return exchange_; }
+  /// What this one steps. Those who write ask all processes for it: it costs less than state().
+  OwnPart own_part() const;
+  /// After so many steps the processes that step a body tell each other of failures and interruptions; who
+  /// looks more often has them wait for that look alone. 1 where one process steps the whole body.
+  std::int64_t steps_between_meetings() const { return is_part_ ? 64 : 1; }
+  /// For a Partition that spreads it.
+  MayMeet what_may_meet() const;
+
+  // ---- another Simulation of the stage that goes on with it ----
+  /// Where run() has ended before the stage, and cannot go on: bodies came in or particles were taken out, or
+  /// particles have gone so far that a body in parts is to be spread anew, or that a periodic one may lack
+  /// images. Nothing else may be asked of the simulation afterwards.
+  std::optional<Handover> handover();
+  /// state() at the end, without a copy: nothing else may be asked of the simulation afterwards.
+  State take_state() &&;
+  /// Goes on where another one has ended, from its state, in which this has changed: takes over its
+  /// observers, and what it has not told them yet, and books what came in and went. Lost particles: run()
+  /// shows observers the same step again.
+  void take_over(Simulation& before, const Passage& passed);
 
   // ---- of a BodyView ----
   const Model& model() const override { return model_; }
-  const Clock& clock() const override { return state_.clock; }
-  const PerBond<Bond>& bonds() const override { return state_.bonds; }
-  const std::vector<ParticleId>& dropped() const override { return state_.dropped; }
-  const std::vector<ParticleId>& taken() const override { return state_.taken; }
-  const std::vector<ParticleId>& waiting() const override { return state_.waiting; }
-  const MassBooks& mass() const override { return state_.mass; }
   const State& state() const override;
   const Survey& survey() const override;
   const EnergyBooks& books() const override;
   Losses losses() const override;
   double balance_error() const override;
-  const PeakRecord& peak() const override { return state_.peak; }
   Reaction reaction(const std::vector<ParticleId>& particles) const override;
   double mean_axial_force(const std::vector<ParticleId>& particles) const override;
   const std::vector<WallState>& walls() const override { return terms_.walls.states(); }
@@ -193,6 +168,7 @@ class Simulation final : public BodyView, private MotionHost {
 
   struct Broken;
 
+  const State& known() const override { return state_; }
   void begin_stage();
   Simulation(const Model& model, Stage stage, State* state, int threads, Share share, Exchange* exchange);
   void bonds_changed();
@@ -253,6 +229,9 @@ class Simulation final : public BodyView, private MotionHost {
   void look_at_deep_contacts();
   void check_finite() const;
   bool past_largest(const Bond& bond) const;
+  StopReason stop_reason() const;
+  bool visit();
+  void book(const Passage& passed, double change);
   void keep_records();
   double peak_quantity() const;
   Survey survey_here() const;
@@ -270,6 +249,8 @@ class Simulation final : public BodyView, private MotionHost {
     std::array<char, 512> who, what, way_out;
   };
   const Team& all_known() const { return with_ghosts_ ? *with_ghosts_ : team_; }
+  std::vector<ParticleId> own_particles() const;
+  std::vector<BondId> own_bonds() const;
   bool may_meet() const { return contacts_.any() || capsules_.any() || !stage_.bonding.empty(); }
   bool is_time_to_meet() const;
   bool meet(bool interrupted);
@@ -342,6 +323,7 @@ class Simulation final : public BodyView, private MotionHost {
   std::vector<BondId> peak_bonds_;             // inside the group that a peak is looked for in
   std::int64_t last_stage_step_ = 0;           // of the stage's duration
   std::int64_t next_visit_ = no_visit;         // its step of the stage
+  std::optional<Handover> visited_;            // of a visit that has changed the body
   std::vector<std::shared_ptr<Observer>> observers_;
   std::int64_t steps_to_look_ = 1;
   StepTimes times_;

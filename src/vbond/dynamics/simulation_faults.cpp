@@ -25,16 +25,6 @@ void Simulation::tell_of_lost() {
                       lost);
 }
 
-double Simulation::take_over(Simulation& with_them, const std::vector<BondEvent>& broken) {
-  events_ = std::move(with_them.events_);
-  encounters_.take(with_them.encounters_, state_.dropped);
-  events_.insert(events_.end(), broken.begin(), broken.end());
-  const double gone = with_them.energies().total() - energies().total();
-  booked_.released += gone;
-  bodies_ahead_ = books_ahead_ = true;  // the state has no loads yet
-  return gone;
-}
-
 /// The run ends if capsules have passed through each other: their contact would push them on.
 void Simulation::look_at_capsules() const {
   if (!capsules_.passed()) return;

@@ -110,9 +110,8 @@ bool Simulation::find_events() {
   const bool breaks =
       std::any_of(breaking_.begin(), breaking_.end(), [](const auto& b) { return !b.empty(); });
   enum : std::size_t { failed, broke, met, deep, questions };
-  std::array<double, questions> any{failed_ ? 1.0 : 0.0, breaks ? 1.0 : 0.0,
-                                    encounters().empty() && !fastest() ? 0.0 : 1.0,
-                                    any_deep_capsules() ? 1.0 : 0.0};
+  std::array<double, questions> any{failed_ ? 1.0 : 0.0, breaks ? 1.0 : 0.0, encounters_.any() ? 1.0 : 0.0,
+                                    capsules_.deep() ? 1.0 : 0.0};
   exchange_.max(any);
   if (any[failed] != 0.0) agree_on_failure();
   if (any[met] != 0.0) encounters_.share();
@@ -146,13 +145,10 @@ void Simulation::agree_on_failure() {
   throw Diverged(first.step, first.time, first.who.data(), first.what.data(), first.way_out.data());
 }
 
-double Simulation::reach() const {
-  return may_meet() ? std::max(contacts_.reach(), bonding_.reach()) : 0.0;
-}
-
-bool Simulation::any_capsules_to_come() const {
-  return capsules_.any() || std::any_of(stage_.bonding.begin(), stage_.bonding.end(),
-                                        [](const BondingRule& rule) { return rule.recipe.capsule; });
+MayMeet Simulation::what_may_meet() const {
+  const bool any_to_come = std::any_of(stage_.bonding.begin(), stage_.bonding.end(),
+                                       [](const BondingRule& rule) { return rule.recipe.capsule; });
+  return {may_meet() ? std::max(contacts_.reach(), bonding_.reach()) : 0.0, capsules_.any() || any_to_come};
 }
 
 /// Images that may come near are as many edges away as particles lie apart, and what may meet reaches.
@@ -161,8 +157,8 @@ void Simulation::note_where_it_begins() {
   for (std::size_t k = 0; k < bodies_.order.own; ++k) r_begin_.push_back(bodies_.pose[k].r);
   cell_begin_ = state_.cell;
   if (state_.cell.empty() || !may_meet()) return;
-  farthest_image_ =
-      farthest_images(state_.cell, model_.cell.periodic, state_.r.values(), reach() + 2.0 * farthest_);
+  farthest_image_ = farthest_images(state_.cell, model_.cell.periodic, state_.r.values(),
+                                    what_may_meet().reach + 2.0 * farthest_);
 }
 
 /// How far images go with edges that go so far.
@@ -200,11 +196,12 @@ std::vector<BondId> Simulation::own_bonds() const {
 }
 
 /// Ends of bonds that broke may be far away by now.
-const State& Simulation::own_state() const {
+OwnPart Simulation::own_part() const {
   if (bodies_ahead_) collect_own();
   const Order& order = bodies_.order;
+  OwnPart own{own_particles(), own_bonds(), state_};
   std::vector<ParticleId> unknown;
-  for (const BondId b : own_bonds())
+  for (const BondId b : own.bonds)
     if (!order.knows(state_.bonds[b].j)) unknown.push_back(state_.bonds[b].j);
   std::sort(unknown.begin(), unknown.end());
   unknown.erase(std::unique(unknown.begin(), unknown.end()), unknown.end());
@@ -217,7 +214,7 @@ const State& Simulation::own_state() const {
   for (const ParticleId p : exchange_.gather(unknown))
     if (order.has(p)) ends.push_back({p, state_.r[p], state_.q[p]});
   for (const End& e : exchange_.gather(ends)) state_.r[e.particle] = e.r, state_.q[e.particle] = e.q;
-  return state_;
+  return own;
 }
 
 }  // namespace vbond

@@ -20,10 +20,10 @@ std::int64_t next_look_of_all(std::int64_t steps, const Exchange& exchange) {
 }  // namespace
 
 StopReason Simulation::run(const std::function<bool()>& interrupted, std::int64_t most) {
-  if (state_.clock.stage_step == 0) notify_observers();
+  if (state_.clock.stage_step == 0 || steps_to_look_ == 0) notify_observers();
   StopReason why = stop_reason();
   // never interrupted before the first step
-  while (why == StopReason::running && most > 0 && !has_outgrown_ && !visit_is_due()) {
+  while (why == StopReason::running && most > 0 && !visit() && !has_outgrown_) {
     step(), --most, why = stop_reason();
     if (why == StopReason::running && is_time_to_meet() && meet(interrupted && interrupted()))
       why = StopReason::interrupted;
@@ -83,33 +83,57 @@ void Simulation::fold_brought_in() const {
   exchange_.max({&largest, 1});
 }
 
-void Simulation::note_visit(std::vector<SourceRecord> sources) {
-  state_.sources = std::move(sources);
+/// Lets bodies in and takes particles out, if that is due before the next step. Whether that has changed the
+/// body: the state in which it has is for another simulation.
+bool Simulation::visit() {
+  if (state_.clock.stage_step != next_visit_) return false;
+  agree_on_failure();
+  survey();  // take_over() asks for the energy before the visit
+  Handover next{state(), {}};
+  next.passed = vbond::visit(model_, stage_, next.state);
   next_visit_ = next_visit(stage_, state_.clock.stage_step + 1);
+  if (next.passed.changed)
+    visited_ = std::move(next);
+  else
+    state_.sources = std::move(next.state.sources);  // more bodies may be due
+  return visited_.has_value();
+}
+
+std::optional<Handover> Simulation::handover() {
+  if (visited_) return std::exchange(visited_, {});
+  if (has_outgrown_) return Handover{std::move(*this).take_state(), {}};
+  return {};
+}
+
+void Simulation::take_over(Simulation& before, const Passage& passed) {
+  observers_ = std::move(before.observers_);
+  steps_to_look_ = before.steps_to_look_;
+  times_ = before.times_;
+  next_visit_ = before.next_visit_;  // of the same step, which may have been visited already
+  events_ = std::move(before.events_);
+  events_.insert(events_.end(), passed.events.begin(), passed.events.end());
+  if (!passed.events.empty()) steps_to_look_ = 1;
+  if (passed.lost) {
+    encounters_.take(before.encounters_, state_.dropped);
+    bodies_ahead_ = true;  // the state has no loads yet
+    steps_to_look_ = 0;
+  }
+  if (passed.changed) book(passed, energies().total() - before.energies().total());
 }
 
 /// The energy of what came in is worked out; what went is the rest of the change, so that the balance closes
 /// as it did before. Where nothing went, what came in is the change itself.
-void Simulation::take_over(const Passage& passed, double energy_before) {
-  const double change = energies().total() - energy_before;
-  if (leads()) {
-    booked_.dissipated += passed.flowed;
-    const double inserted = passed.any_gone ? passed.brought : change;
-    booked_.inserted += inserted + passed.flowed;
-    booked_.removed += inserted - change;
-  }
-  events_.insert(events_.end(), passed.events.begin(), passed.events.end());
-  if (!passed.events.empty()) steps_to_look_ = 1;
+void Simulation::book(const Passage& passed, double change) {
   books_ahead_ = true;
-  next_visit_ = next_visit(stage_, state_.clock.stage_step + 1);
-}
-
-void Simulation::take_over_observers(Simulation& before) {
-  observers_ = std::move(before.observers_);
-  steps_to_look_ = before.steps_to_look_;
-  events_ = std::move(before.events_);
-  times_ = before.times_;
-  next_visit_ = before.next_visit_;  // of the same step, which may have been visited already
+  if (!leads()) return;
+  if (passed.lost) {
+    booked_.released -= change;
+    return;
+  }
+  booked_.dissipated += passed.flowed;
+  const double inserted = passed.any_gone ? passed.brought : change;
+  booked_.inserted += inserted + passed.flowed;
+  booked_.removed += inserted - change;
 }
 
 }  // namespace vbond

@@ -54,13 +54,16 @@ class BodyView {
  public:
   virtual ~BodyView() = default;
   virtual const Model& model() const = 0;
-  virtual const Clock& clock() const = 0;
-  virtual const PerBond<Bond>& bonds() const = 0;
+  const Clock& clock() const { return known().clock; }
+  const PerBond<Bond>& bonds() const { return known().bonds; }
   /// Particles that take no part in the computation, see State; and what has come in and gone.
-  virtual const std::vector<ParticleId>& dropped() const = 0;
-  virtual const std::vector<ParticleId>& taken() const = 0;
-  virtual const std::vector<ParticleId>& waiting() const = 0;
-  virtual const MassBooks& mass() const = 0;
+  const std::vector<ParticleId>& dropped() const { return known().dropped; }
+  const std::vector<ParticleId>& taken() const { return known().taken; }
+  const std::vector<ParticleId>& waiting() const { return known().waiting; }
+  const MassBooks& mass() const { return known().mass; }
+  /// Bonds that have broken in this stage of dynamics.
+  std::int64_t breaks() const { return known().breaks; }
+  const PeakRecord& peak() const { return known().peak; }
   /// The whole state, in the numbering of the model. Collecting it takes time in motion: not for every step.
   virtual const State& state() const = 0;
   /// A sum over all bonds, so not for every step; made once however often it is asked for.
@@ -75,7 +78,6 @@ class BodyView {
   /// energy that start and work have brought in so far, at least what moves and what contacts hold now, and a
   /// thousand roundings. 0 at rest.
   virtual double balance_error() const = 0;
-  virtual const PeakRecord& peak() const = 0;
   /// What supports exert on these particles along held degrees of freedom; in motion drag included, the
   /// inertia of prescribed accelerations left out.
   virtual Reaction reaction(const std::vector<ParticleId>& particles) const = 0;
@@ -87,6 +89,10 @@ class BodyView {
   virtual std::vector<GripView> grips() const = 0;
   /// Nothing in motion.
   virtual const BalancePoint* balance() const { return nullptr; }
+
+ private:
+  /// What is shown of the state here without collecting it: all else in it may be old.
+  virtual const State& known() const = 0;
 };
 
 }  // namespace vbond

@@ -32,6 +32,7 @@ struct Passage {
   std::vector<BondEvent>
       events;  ///< bonds that broke with particles that went, and those that bodies brought
   bool any_gone = false, any_come = false;
+  bool lost = false;   ///< particles were dropped (model/drop.hpp): their energy is released, not removed
   double brought = 0;  ///< kinetic energy of what came in, and energy of its bonds  [energy]
   double flowed = 0;   ///< that the bonds that came in had dissipated by their prestrain  [energy]
 };

@@ -192,14 +192,13 @@ void write_bonds_vtp(const fs::path& path, const State& state, UnitSystem units,
 }
 
 void write_part(const fs::path& folder, int part, const Simulation& run, FrameFormat format) {
-  const State& state = run.own_state();
+  const auto [particles, bonds, state] = run.own_part();
   const double time = state.clock.time();
   const std::int64_t step = state.clock.step;
-  const std::vector<ParticleId> particles = run.own_particles();
   VtpFile file = file_of_particles(particles, run.model(), state, of_parts(format));
   file.set_points_of_all_parts(static_cast<std::int64_t>(present(state)));
   file.write(folder / name_of_part("particles", step, part), time, step);
-  file_of_bonds_of_part(run.own_bonds(), particles, state, run.model().units, of_parts(format))
+  file_of_bonds_of_part(bonds, particles, state, run.model().units, of_parts(format))
       .write(folder / name_of_part("bonds", step, part), time, step);
   if (format.cell && part == 0)
     write_cell_vtp(folder / frame_name("cell", step), run.model(), state, {}, format);

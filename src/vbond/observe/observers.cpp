@@ -57,7 +57,7 @@ WatchObserver::WatchObserver(const OutputPlan& plan, Watch::Tell tell, WatchReco
 
 void WatchObserver::observe(const Simulation& run) {
   const Clock& clock = run.clock();  // a pair that has passed is the cause of a balance that is off
-  if (!run.encounters().empty() || run.fastest() || run.any_deep_capsules()) look_at_contacts(run);
+  if (run.deep().particles.any() || run.deep().capsules.deep()) look_at_contacts(run);
   if (clock.stage_step % every_ == 0 || history_due_.now(clock)) look(run);
   if (clock.stage_step % (looks_per_overlaps * every_) == 0) look_at_overlaps(run);
 }
@@ -79,7 +79,7 @@ void WatchObserver::look(const Simulation& run) {
   const Timing timing(*this);
   if (const auto turn = run.fastest_turn()) watch_.look_at_turns(*turn, run.clock(), run.stage().insist);
   constexpr double deep = 0.1;  // of the radius: much more than a step that follows the contact lets happen
-  watch_.look(run, [&run] { return Watch::in_wall(run.model(), run.terms().walls.deeper_than(deep)); });
+  watch_.look(run, [&run] { return Watch::in_wall(run.model(), run.deep().walls.deeper_than(deep)); });
 }
 
 void WatchObserver::observe_balance(const BodyView& body, const BalancePoint& /*balance*/) {
@@ -92,16 +92,17 @@ void WatchObserver::look_at_overlaps(const Simulation& run) {
   if (overlap_ == 0.0) return;
   const Timing timing(*this);
   watch_.look_at_overlaps(run, overlap_);
-  watch_.look_at_walls(run.model(), run.terms().walls.deeper_than(overlap_), run.clock());
-  watch_.look_at_capsules(run.deep_capsules(overlap_), run.clock());
+  watch_.look_at_walls(run.model(), run.deep().walls.deeper_than(overlap_), run.clock());
+  watch_.look_at_capsules(run.deep().capsules.deeper_than(overlap_), run.clock());
 }
 
 void WatchObserver::look_at_contacts(const Simulation& run) {
   if (overlap_ == 0.0) return;
   const Timing timing(*this);
-  if (run.fastest()) watch_.look_at_speed(*run.fastest(), run.clock());
-  watch_.look_at_capsules(run.deep_capsules(overlap_), run.clock());
-  watch_.look_at_encounters(run.model(), run.encounters(), run.clock(), overlap_,
+  const Deep deep = run.deep();
+  if (const auto& fastest = deep.particles.fastest()) watch_.look_at_speed(*fastest, run.clock());
+  watch_.look_at_capsules(deep.capsules.deeper_than(overlap_), run.clock());
+  watch_.look_at_encounters(run.model(), deep.particles.found(), run.clock(), overlap_,
                             [&run]() -> const State& { return run.state(); });
 }
 

@@ -202,58 +202,6 @@ PassageSummary passage_from(const Json& j) {
 
 }  // namespace
 
-PassageSummary summarise_passage(const Model& model, const State& state) {
-  PassageSummary p{
-      static_cast<std::int64_t>(present(state)), state.mass, state.books.inserted, state.books.removed, {}};
-  for (std::size_t k = 0; k < model.sources.size(); ++k) {
-    const Source& s = model.sources[k];
-    p.sources.push_back({s.name, static_cast<std::int64_t>(s.bodies),
-                         static_cast<std::int64_t>(bodies_in(s, state)),
-                         static_cast<std::int64_t>(bodies_due(model, k, state))});
-  }
-  return p;
-}
-
-CellSummary summarise_cell(const Model& model, const State& state) {
-  return {{state.cell[0].along, state.cell[1].along, state.cell[2].along}, cell_values(model, state)};
-}
-
-std::vector<PhaseTime> split_steps(double seconds, const StepTimes& t) {
-  const double sum = t.bonds + t.contacts + t.integrate;
-  if (!(sum > 0.0)) return {{"steps", seconds}};
-  const double scale = seconds / sum;
-  return {{"bonds", scale * t.bonds}, {"contacts", scale * t.contacts}, {"integrate", scale * t.integrate}};
-}
-
-StageSummary summarise_stage(const Simulation& run, StopReason stop) {
-  const Clock& clock = run.clock();
-  StageSummary s{run.stage().name, stop, clock.stage_step, run.stage().dt, clock.time(), {}, {}, {}, {}};
-  if (stop == StopReason::peak) {
-    s.critical_force = run.peak().peak;
-    s.peak_time = run.peak().peak_time;
-  }
-  return s;
-}
-
-const char* to_text(StopReason reason) {
-  switch (reason) {
-    case StopReason::running: return "running";
-    case StopReason::duration: return "duration";
-    case StopReason::distance: return "distance";
-    case StopReason::peak: return "peak";
-    case StopReason::rest: return "rest";
-    case StopReason::breaks: return "breaks";
-    case StopReason::diverged: return "diverged";
-    case StopReason::interrupted: return "interrupted";
-  }
-  return "running";
-}
-
-bool any_dynamics(const RunSummary& summary) {
-  return std::any_of(summary.stages.begin(), summary.stages.end(),
-                     [](const StageSummary& s) { return !s.statics; });
-}
-
 std::string to_json(const RunSummary& r) {
   Json j{{"title", r.title},
          {"version", r.version},

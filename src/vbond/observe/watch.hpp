@@ -118,7 +118,9 @@ class Watch {
   void look_at_bond(BondId k, const State& state, const std::string& when);
   void look_at_overlaps(const Model& model, const State& state, double part, const std::string& when);
   void report_overlap(const Model& model, ParticleId i, ParticleId j, double depth, const std::string& when);
+  /// How reports begin: with the time, and of a balance with its load factor.
   static std::string time_of(const Clock& clock);
+  static std::string when(const BodyView& body);
   void report(std::int64_t& count, std::int64_t& untold, const std::string& text);
 
   double energy_error_;

@@ -29,12 +29,12 @@ bool Run::drop(const ParticlesLost& found) {
     return false;
   std::vector<ParticleId> particles;
   for (const auto& [p, why] : *lost) particles.push_back(p);
-  const std::vector<BondEvent> broken = vbond::drop(particles, rest);
+  const Passage gone{.changed = true, .events = vbond::drop(particles, rest), .any_gone = true, .lost = true};
   auto without = std::make_unique<Simulation>(model_, stage, &rest, threads_);
-  const double energy = without->take_over(*simulation_, broken);
+  without->take_over(*simulation_, gone);
+  const double energy = simulation_->energies().total() - without->energies().total();
   simulation_ = std::move(without);
-  for (const auto& o : observers_) simulation_->add_observer(o);
-  tell_of_dropped(*lost, broken, energy);
+  tell_of_dropped(*lost, gone.events, energy);
   return true;
 }
 

@@ -12,8 +12,6 @@
 #include "vbond/model/mistakes.hpp"
 #include "vbond/model/passage.hpp"
 #include "vbond/model/periodic_cell.hpp"
-#include "vbond/run/static_solver.hpp"
-#include "vbond/statics/point_view.hpp"
 #include "vbond/terms/heat/heat.hpp"
 #include "vbond/terms/pressure/pressed.hpp"
 
@@ -22,15 +20,6 @@ namespace {
 
 void require(bool holds, const std::string& rule) {
   if (!holds) throw std::invalid_argument("Run: " + rule);
-}
-
-bool is_zero(const Vec3d& x) {
-  return x == Vec3d{};
-}
-
-bool moves(const State& s) {
-  return !std::all_of(s.v.begin(), s.v.end(), is_zero) ||
-         !std::all_of(s.omega.begin(), s.omega.end(), is_zero);
 }
 
 }  // namespace
@@ -157,29 +146,24 @@ void Run::take_part() {
           "several processes step the body: no pressure may act; take one process, with threads");
   require(std::none_of(stage.supports.begin(), stage.supports.end(), is_free_grip),
           "several processes step the body: no rigid group may be free in part");
-  const double reach = simulation_->reach();
-  const bool knows_all = simulation_->any_capsules_to_come();
+  const MayMeet may_meet = simulation_->what_may_meet();
   State begun = std::move(*std::exchange(simulation_, {})).take_state();
-  Share share = partition_->spread(model_, begun, reach, knows_all);
+  Share share = partition_->spread(model_, begun, may_meet.reach, may_meet.all);
   simulation_ = part_of(std::move(begun), std::move(share));
 }
 
-/// A periodic body, whose images are found anew, or one in parts.
-void Run::spread_anew() {
+/// With another simulation of the stage under way, as from a checkpoint of the same moment. All bodies that
+/// are due have come in at once, so that the loop is set up anew once for all of them.
+void Run::go_on_from(Handover next) {
   const std::unique_ptr<Simulation> before = std::exchange(simulation_, {});
-  go_on_in(std::move(*before).take_state());
-  simulation_->take_over_observers(*before);
-}
-
-/// With another simulation of the stage under way.
-void Run::go_on_in(State state) {
   if (partition_ == nullptr) {
-    state_ = std::move(state);
+    state_ = std::move(next.state);
     simulation_ = std::make_unique<Simulation>(model_, std::get<Stage>(*stage_), &state_, threads_);
   } else {
-    Share share = partition_->spread_anew(model_, state);
-    simulation_ = part_of(std::move(state), std::move(share));
+    Share share = partition_->spread_anew(model_, next.state);
+    simulation_ = part_of(std::move(next.state), std::move(share));
   }
+  simulation_->take_over(*before, next.passed);
 }
 
 const std::vector<StageResult>& Run::run() {
@@ -243,19 +227,12 @@ void Run::tell_stage_end(StopReason why, const std::string& failure) {
 /// The same, without particles that are lost on the way, if the stage drops such.
 StopReason Run::steps_of_stage(std::int64_t most) {
   const std::int64_t first = clock().step;
-  for (bool again = false;; again = true) try {
-      if (again) simulation_->look_again();
-      while (true) {
-        const StopReason why = simulation_->run(hooks_.interrupted, most - (clock().step - first));
-        if (why != StopReason::running) return why;
-        const bool goes_on = clock().step - first < most;  // else it is visited when the run goes on
-        if (goes_on && simulation_->visit_is_due())
-          visit();
-        else if (simulation_->has_outgrown_its_part())
-          spread_anew();
-        else
-          return why;
-      }
+  while (true) try {
+      const StopReason why = simulation_->run(hooks_.interrupted, most - (clock().step - first));
+      if (why != StopReason::running) return why;
+      std::optional<Handover> next = simulation_->handover();
+      if (!next) return why;
+      go_on_from(std::move(*next));
     } catch (const ParticlesLost& found) {
       if (!drop(found)) throw;
     }
@@ -290,96 +267,6 @@ StageResult Run::result_of_dynamics(StopReason why) const {
 
 void Run::fail(const std::string& why) {
   failure_ = why.empty() ? "unknown" : why;
-}
-
-/// The clock counts points; books and records begin anew. A point takes 1, so that time is its number, or
-/// where there are stages of dynamics one T_0, so that it is of the size of their times.
-StageResult Run::run_static() {
-  const auto& stage = std::get<StaticStage>(*stage_);
-  require(state_.dropped.empty(),
-          fmt::format("stage \"{}\" is static, and {} particles were dropped before it: "
-                      "a balance is looked for with all particles",
-                      stage.name, state_.dropped.size()));
-  tell_notes_once();
-  require(state_.waiting.empty(),
-          fmt::format(
-              "stage \"{}\" is static, and {} particles have not come in yet: a balance is looked for with "
-              "all particles",
-              stage.name, state_.waiting.size()));
-  if (restart_) state_ = *std::exchange(restart_, {});
-  if (moves(state_) && hooks_.tell)
-    hooks_.tell(
-        fmt::format("stage \"{}\": the body was moving; a static stage begins and ends at rest", stage.name));
-  state_.clock.dt = any_dynamics() && model_.T_0 > 0.0 ? model_.T_0 : 1.0;
-  state_.books = {};
-  state_.peak = {};
-  state_.rest = {};
-  state_.breaks = 0;
-  state_.pressed.clear();
-  StageResult result = find_balance(stage);
-  if (result.interrupted()) return result;
-  state_.books = opened_books(state_, potential_energies(model_, state_).total());
-  stage_.reset();
-  begin_next_stage(state_.clock);
-  results_.push_back(result);
-  return result;
-}
-
-/// Solves the stage and leaves its state, whichever way it ends; keeps what a stage that fails has found.
-StageResult Run::find_balance(const StaticStage& stage) {
-  StageResult result;
-  result.name = stage.name;
-  result.kind = stage.kind;
-  StaticResult found;
-  const State start = state_;
-  const std::int64_t first = state_.clock.stage_step;
-  const auto leave = [&] {
-    result.steps = state_.clock.stage_step - first;
-    result.time = state_.clock.time();
-    result.statics = std::move(found);
-  };
-  double load_factor = 0.0;
-  StaticHooks hooks{{}, hooks_.tell, hooks_.interrupted, hooks_.progress};
-  hooks.point = [&](const StaticPoint& point) {
-    const PointView view(model_, point);
-    for (const auto& o : observers_) o->observe_balance(view, *view.balance());
-    if (hooks_.balance) hooks_.balance(view);
-    state_ = point.state;  // the last balance that is sound
-    load_factor = point.load_factor;
-  };
-  const auto failed = [&](const std::string& why) {
-    fail(why);
-    leave();
-    result.failure = failure_;
-    result.statics->ended = "failed";
-    if (result.steps > 0) {
-      result.statics->load_factor = load_factor;
-      result.statics->points = static_cast<int>(result.steps);
-    }
-    results_.push_back(std::move(result));
-  };
-  try {
-    exchange().together([&] {  // each process for itself, and only one may hear of an interruption
-      StaticOutcome outcome = solve_static_stage(model_, stage, start, hooks);
-      found = std::move(outcome.result);
-      state_ = std::move(outcome.state);
-    });
-    leave();
-    if (exchange().leader_says(result.statics->ended == "interrupted")) {
-      result.stop = StopReason::interrupted;
-      restart_ = start;
-    } else if (result.steps == 0) {
-      throw std::logic_error("stage \"" + stage.name + "\" ended without a point of balance");
-    }
-    return result;
-  } catch (const StaticStageFailed& e) {
-    found = e.found;
-    failed(e.what());
-    throw;
-  } catch (const std::exception& e) {  // no balance, a bond has closed up, memory has run out, a full disk
-    failed(e.what());
-    throw;
-  }
 }
 
 void Run::set_velocities(const PerParticle<Vec3d>& v, const PerParticle<Vec3d>& omega) {

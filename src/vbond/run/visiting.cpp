@@ -1,8 +1,7 @@
-// A run in which bodies come in and particles are taken out.
+// What a run tells of sources as a stage ends.
 #include <fmt/format.h>
 
 #include <cstdint>
-#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,21 +10,6 @@
 #include "vbond/run/run.hpp"
 
 namespace vbond {
-
-/// Goes on as from a checkpoint of the same moment in which this had happened already. All that is due comes
-/// in at once, so that the loop is set up anew once for all of them. Processes that step parts of the body
-/// all do the same with the whole of it.
-void Run::visit() {
-  const auto& stage = std::get<Stage>(*stage_);
-  const double energy = simulation_->energies().total();
-  State state = simulation_->state();
-  const Passage passed = vbond::visit(model_, stage, state);
-  if (!passed.changed) return simulation_->note_visit(std::move(state.sources));
-  const std::unique_ptr<Simulation> before = std::exchange(simulation_, {});
-  go_on_in(std::move(state));
-  simulation_->take_over_observers(*before);
-  simulation_->take_over(passed, energy);
-}
 
 /// As a stage ends: how many of those that were due are not in, and why. Never fewer without a word.
 void Run::end_sources() {

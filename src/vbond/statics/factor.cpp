@@ -1,7 +1,6 @@
 #include "vbond/statics/detail/factor.hpp"
 
 #include <cholmod.h>
-#include <dlfcn.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,39 +11,12 @@
 #include <vector>
 
 #include "vbond/statics/detail/blocked_factor.hpp"
-#include "vbond/statics/detail/one_blas_thread.hpp"
+#include "vbond/statics/detail/lost_pivot.hpp"
 #include "vbond/statics/detail/pulse.hpp"
+#include "vbond/statics/detail/without_threads.hpp"
 
 namespace vbond {
 namespace {
-
-/// As long as it lives, CHOLMOD and OpenBLAS do their loops alone. CHOLMOD would share out every small front
-/// of a matrix among four threads of OpenMP, whose waiting takes longer than the work: a shell of 2,700
-/// unknowns took three times as long. The runtime is the one that CHOLMOD was built with, so it is asked for
-/// by name.
-class WithoutThreads {
- public:
-  WithoutThreads() {
-    if (get_ == nullptr || set_ == nullptr) return;
-    before_ = get_();
-    set_(0);
-  }
-  ~WithoutThreads() {
-    if (get_ != nullptr && set_ != nullptr) set_(before_);
-  }
-  WithoutThreads(const WithoutThreads&) = delete;
-  WithoutThreads& operator=(const WithoutThreads&) = delete;
-
- private:
-  template <class F>
-  static F* found(const char* name) {
-    return reinterpret_cast<F*>(dlsym(RTLD_DEFAULT, name));
-  }
-  int (*get_)() = found<int()>("omp_get_max_active_levels");
-  void (*set_)(int) = found<void(int)>("omp_set_max_active_levels");
-  OneBlasThread blas_;
-  int before_ = 0;
-};
 
 /// A matrix as CHOLMOD sees it: the same arrays, of which it reads the lower triangle.
 cholmod_sparse view(const SparseMatrix& A) {
@@ -106,46 +78,6 @@ FactorBlocks blocks_of(const cholmod_factor& L) {
     return std::vector<int>(begin, begin + number);
   };
   return {list(L.super, L.nsuper + 1), list(L.pi, L.nsuper + 1), list(L.s, L.ssize), list(L.Perm, L.n)};
-}
-
-/// What rounding may have added to the pivot d_k. The factors are exactly those of A + E, with
-/// |E| <= eps |L| |D| |L|^T (Higham, Accuracy and Stability of Numerical Algorithms, th. 10.3, without its
-/// factor for the number of terms, which random signs keep near 1). With L^T v = e_k, v^T A v = d_k, so to
-/// first order d_k has changed by v^T E v.
-template <class L>
-double rounding_of_pivot(const L& c, int k) {
-  std::vector<double> v(static_cast<std::size_t>(k) + 1, 0.0);
-  v.back() = 1.0;
-  double sum = std::abs(c.d(k));
-  for (int j = k - 1; j >= 0; --j) {
-    double v_j = 0.0, reach = 0.0;
-    c.below(j, [&](int i, double l) {
-      if (i > k) return;
-      v_j -= l * v[static_cast<std::size_t>(i)];
-      reach += std::abs(l * v[static_cast<std::size_t>(i)]);
-    });
-    v[static_cast<std::size_t>(j)] = v_j;
-    const double r = reach + std::abs(v_j);
-    sum += std::abs(c.d(j)) * r * r;
-  }
-  return epsilon * sum;
-}
-
-/// The first pivot that is zero to rounding or not finite, or -1. The bound of rounding is worked out only
-/// for pivots in which nearly everything cancels: of a free body of n unknowns that moves as a whole v = 1
-/// everywhere, and the bound about 4 n eps times what cancels; a hundred instead of 4 leaves room for an
-/// uneven v.
-template <class L>
-int lost_pivot(const L& c) {
-  std::vector<double> cancelled(static_cast<std::size_t>(c.columns()), 0.0);  // diagonal of |L| |D| |L|^T
-  const double suspect = 100.0 * epsilon * c.columns();
-  for (int k = 0; k < c.columns(); ++k) {
-    const double d = std::abs(c.d(k));
-    if (!std::isfinite(d)) return k;
-    c.below(k, [&](int i, double l) { cancelled[static_cast<std::size_t>(i)] += l * l * d; });
-    if (d <= suspect * (d + cancelled[static_cast<std::size_t>(k)]) && d <= rounding_of_pivot(c, k)) return k;
-  }
-  return -1;
 }
 
 }  // namespace

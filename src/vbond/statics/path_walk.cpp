@@ -8,6 +8,7 @@
 
 #include "vbond/core/bounding_box.hpp"
 #include "vbond/core/error.hpp"
+#include "vbond/statics/detail/bond_turns.hpp"
 #include "vbond/statics/detail/kinds.hpp"
 #include "vbond/statics/detail/softest.hpp"
 

@@ -15,13 +15,7 @@ class PointView final : public BodyView {
       : model_(model), point_(point), balance_{point.load_factor, point.kind, point.unstable} {}
 
   const Model& model() const override { return model_; }
-  const Clock& clock() const override { return state().clock; }
-  const PerBond<Bond>& bonds() const override { return state().bonds; }
   const State& state() const override { return point_.state; }
-  const std::vector<ParticleId>& dropped() const override { return state().dropped; }
-  const std::vector<ParticleId>& taken() const override { return state().taken; }
-  const std::vector<ParticleId>& waiting() const override { return state().waiting; }
-  const MassBooks& mass() const override { return state().mass; }
   const Survey& survey() const override {
     if (!survey_) survey_ = {point_.energies, deformed_bonds(state())};
     return *survey_;
@@ -35,7 +29,6 @@ class PointView final : public BodyView {
   }
   Losses losses() const override { return losses_by_flow(state()); }
   double balance_error() const override { return 0.0; }
-  const PeakRecord& peak() const override { return state().peak; }
   Reaction reaction(const std::vector<ParticleId>& particles) const override {
     return point_.reaction(particles);
   }
@@ -47,6 +40,8 @@ class PointView final : public BodyView {
   const BalancePoint* balance() const override { return &balance_; }
 
  private:
+  const State& known() const override { return state(); }
+
   const Model& model_;
   const StaticPoint& point_;
   BalancePoint balance_;

@@ -46,13 +46,6 @@ struct FibreField {
   std::vector<Vec3d> points() const;
 };
 
-/// Where two segments of different fibres, or of images of one fibre, are nearest.
-struct NearSegments {
-  std::size_t fibre_i = 0, fibre_j = 0;
-  Vec3d on_i, on_j;  ///< from the middle of each fibre  [length]
-  Vec3d apart;       ///< from one point to the other  [length]
-};
-
 /// The middles that a fibre of this shape may have in the vessel, in parts of each edge; none if it does not
 /// fit.
 std::optional<std::array<std::array<double, 2>, 3>> room_for(const FibreField& field,

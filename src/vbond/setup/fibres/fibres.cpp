@@ -9,9 +9,8 @@
 
 #include "vbond/case/value.hpp"
 #include "vbond/core/images.hpp"
-#include "vbond/model/periodic_cell.hpp"
-#include "vbond/setup/case_cell.hpp"
 #include "vbond/setup/fibres/fibre_field.hpp"
+#include "vbond/setup/fibres/fibre_vessel.hpp"
 #include "vbond/setup/fibres/orientation.hpp"
 #include "vbond/setup/fibres/size_draw.hpp"
 #include "vbond/setup/inertia.hpp"
@@ -19,64 +18,8 @@
 namespace vbond {
 namespace {
 
-[[noreturn]] void refuse(const SourcePlace& place, const SpecimenSpec& spec, const std::string& what,
-                         const std::string& rule, const std::string& way_out) {
-  throw CaseError({place, fmt::format("specimen \"{}\": {}", spec.name, what), rule, way_out});
-}
-
 std::int64_t bonds_of(double length, double spacing) {
   return std::max<std::int64_t>(1, std::llround(length / spacing));
-}
-
-// ---- vessel -------------------------------------------------------------------------------------
-
-FibreVessel box_vessel(const FibreBox& box, const std::array<Face, 3>& faces) {
-  const Vec3d size = box.max - box.min;
-  return {{Vec3d{size.x, 0, 0}, Vec3d{0, size.y, 0}, Vec3d{0, 0, size.z}}, box.min, faces};
-}
-
-/// The cell, whose edges may be those of the box of another specimen's file.
-FibreVessel cell_vessel(const SpecimenSpec& spec, const Case& c) {
-  if (spec.turn || !spec.array.empty())
-    refuse(spec.place, spec, "fibres that fill a cell are turned or copied",
-           "what is turned or copied no longer goes on through the faces of the cell",
-           "leave out turn and array, or give the fibres a box");
-  const FileBox box = cell_of_case(c);
-  FibreVessel vessel{box.edges, box.corner, {}};
-  for (std::size_t k = 0; k < 3; ++k) vessel.faces[k] = c.cell->open[k] ? Face::whole : Face::through;
-  return vessel;
-}
-
-FibreVessel vessel_of(const SpecimenSpec& spec, const FibresSpecimen& s, const Case& c) {
-  if (!s.box && !s.layer) {
-    if (c.cell) return cell_vessel(spec, c);
-    refuse(spec.place, spec, "there is no place for the fibres", "they fill a box, a layer, or the cell",
-           "add box = { min = [0, 0, 0], max = [10, 10, 10] }, layer = { ... }, or a table [cell]");
-  }
-  if (s.layer) {
-    if (c.cell)
-      refuse(spec.place, spec, "a layer in a case with a cell",
-             "fibres stick out of a layer, and would meet images of others",
-             "leave layer out: the cell is filled, along an edge that is open as a layer");
-    return box_vessel(*s.layer, {Face::middle, Face::middle, Face::whole});
-  }
-  FibreVessel vessel = box_vessel(*s.box, {Face::whole, Face::whole, Face::whole});
-  if (!c.cell) return vessel;
-  const FileBox box = cell_of_case(c);
-  CellEdges cell;
-  for (const Vec3d& edge : box.edges) cell.push_back({edge});
-  for (int corner = 0; corner < 8; ++corner) {
-    Vec3d r = s.box->min;
-    for (int k = 0; k < 3; ++k)
-      if (corner >> k & 1) component(r, k) = component(s.box->max, k);
-    const Vec3d in = in_edges(cell, r - box.corner);
-    for (int k = 0; k < 3; ++k)
-      if (!c.cell->open[static_cast<std::size_t>(k)] &&
-          (component(in, k) < -1e-9 || component(in, k) > 1.0 + 1e-9))
-        refuse(spec.place, spec, "the box reaches beyond the cell", "its fibres would meet images of others",
-               "make it smaller, or leave it out: the cell is filled");
-  }
-  return vessel;
 }
 
 // ---- fibres -------------------------------------------------------------------------------------
@@ -89,8 +32,8 @@ std::optional<SizeDraw> sizes_of(const SpecimenSpec& spec, const FibresSpecimen&
   if (!s.lengths) return std::nullopt;
   SizeDraw sizes(*s.lengths, s.spacing);
   if (sizes.is_empty())
-    refuse(spec.place, spec, "nothing is left of its lengths",
-           "they are cut off at min and max, and below the spacing", "correct the distribution");
+    refuse_fibres(spec.place, spec, "nothing is left of its lengths",
+                  "they are cut off at min and max, and below the spacing", "correct the distribution");
   return sizes;
 }
 
@@ -101,13 +44,13 @@ std::size_t number_of(const SpecimenSpec& spec, const FibresSpecimen& s, const s
   const double wanted =
       s.fibres ? static_cast<double>(*s.fibres) : std::round(s.volume_share.value() * volume / each);
   if (wanted < 1.0)
-    refuse(s.amount, spec, fmt::format("volume_share = {:.6g} is no fibre", *s.volume_share),
-           fmt::format("one fibre of mean length is a share of {:.6g}", each / volume),
-           "take a larger share, a smaller vessel, or thinner or shorter fibres");
+    refuse_fibres(s.amount, spec, fmt::format("volume_share = {:.6g} is no fibre", *s.volume_share),
+                  fmt::format("one fibre of mean length is a share of {:.6g}", each / volume),
+                  "take a larger share, a smaller vessel, or thinner or shorter fibres");
   const double particles = wanted * (each / section(s) / s.spacing + 1.0);
   if (!(particles <= static_cast<double>(keys::most_particles)))
-    refuse(s.amount, spec, fmt::format("{:.4g} fibres of some {:.4g} particles", wanted, particles),
-           "a specimen has at most 1e8", "take fewer fibres, or a larger spacing");
+    refuse_fibres(s.amount, spec, fmt::format("{:.4g} fibres of some {:.4g} particles", wanted, particles),
+                  "a specimen has at most 1e8", "take fewer fibres, or a larger spacing");
   return static_cast<std::size_t>(wanted);
 }
 
@@ -127,15 +70,15 @@ double angle_of_bend(const SpecimenSpec& spec, const FibresSpecimen& s, double l
   }
   if (angle == 0.0) return angle;
   if (n < 2.0)
-    refuse(spec.place, spec, fmt::format("a fibre {:.6g} long has one bond and is straight", length),
-           "curved fibres have two bonds at least", "use a smaller spacing");
+    refuse_fibres(spec.place, spec, fmt::format("a fibre {:.6g} long has one bond and is straight", length),
+                  "curved fibres have two bonds at least", "use a smaller spacing");
   constexpr double most = 0.9 * 2.0 * std::numbers::pi;
   if (n * angle > most || (n * angle > std::numbers::pi && curl(angle) * length < s.diameter + s.gap))
-    refuse(spec.place, spec,
-           fmt::format("a fibre {:.6g} long turns by {:.4g} degrees and meets itself", length,
-                       n * angle * 180.0 / std::numbers::pi),
-           "an arc turns by 324 degrees at most, and its ends keep a diameter and the gap",
-           "use a smaller curvature, or a curl nearer to 1");
+    refuse_fibres(spec.place, spec,
+                  fmt::format("a fibre {:.6g} long turns by {:.4g} degrees and meets itself", length,
+                              n * angle * 180.0 / std::numbers::pi),
+                  "an arc turns by 324 degrees at most, and its ends keep a diameter and the gap",
+                  "use a smaller curvature, or a curl nearer to 1");
   return angle;
 }
 
@@ -175,9 +118,9 @@ void check_spacing(const SpecimenSpec& spec, const FibresSpecimen& s, const Fibr
   for (const double length : lengths)
     longest = std::max(longest, length / static_cast<double>(bonds_of(length, s.spacing)));
   if (longest < 0.49 * least) return;
-  refuse(spec.place, spec, fmt::format("bonds of its fibres are {:.6g} long", longest),
-         fmt::format("in a cell that is {:.6g} wide a bond must be shorter than half of that", least),
-         "use a smaller spacing or a larger cell");
+  refuse_fibres(spec.place, spec, fmt::format("bonds of its fibres are {:.6g} long", longest),
+                fmt::format("in a cell that is {:.6g} wide a bond must be shorter than half of that", least),
+                "use a smaller spacing or a larger cell");
 }
 
 /// What all fibres of a specimen have in common.
@@ -219,17 +162,18 @@ Drawn draw_fibres(const Request& q, std::size_t n, Random& random) {
       is_clear = has_room && !meets_its_image(d.field, shape);
     }
     if (!has_room)
-      refuse(spec.place, spec, fmt::format("a fibre {:.6g} long does not fit in between", L),
-             fmt::format("of {} directions none leaves it inside with its radius {:.6g}", most_tries,
-                         0.5 * s.diameter),
-             "use shorter fibres, a larger box, layer or cell, or directions along it: orientation = "
-             "\"planar\"");
+      refuse_fibres(spec.place, spec, fmt::format("a fibre {:.6g} long does not fit in between", L),
+                    fmt::format("of {} directions none leaves it inside with its radius {:.6g}", most_tries,
+                                0.5 * s.diameter),
+                    "use shorter fibres, a larger box, layer or cell, or directions along it: orientation = "
+                    "\"planar\"");
     if (!is_clear)
-      refuse(spec.place, spec, fmt::format("a fibre {:.6g} long meets its own image", L),
-             fmt::format("of {} directions none leaves a gap of {:.6g} to itself, one or more edges of the "
-                         "cell farther",
-                         most_tries, s.gap),
-             "use shorter fibres or a larger cell");
+      refuse_fibres(
+          spec.place, spec, fmt::format("a fibre {:.6g} long meets its own image", L),
+          fmt::format("of {} directions none leaves a gap of {:.6g} to itself, one or more edges of the "
+                      "cell farther",
+                      most_tries, s.gap),
+          "use shorter fibres or a larger cell");
     d.field.add(shape);
   }
   return d;
@@ -274,7 +218,7 @@ std::optional<Drawn> place(const Request& q, std::size_t n) {
   const double each = q.sizes ? q.sizes->mean() : q.s.length.value(),
                to_ask = static_cast<double>(good) * section(q.s) * each / q.vessel.volume();
   const bool flat = q.draw.dimensions() == 2;
-  refuse(
+  refuse_fibres(
       q.s.amount, q.spec,
       fmt::format("{} fibres{} were not brought apart; {} were, a volume share of {:.6g}", wanted,
                   q.s.fibres ? "" : fmt::format(", volume_share = {:.6g},", *q.s.volume_share), good,

@@ -10,17 +10,6 @@
 #include "vbond/model/contact_bound.hpp"
 
 namespace vbond {
-namespace {
-
-/// Two normals farther apart than 60 degrees belong to two touches.
-constexpr double same_touch = 0.5;
-
-Vec3d velocity_at(const WallState& w, const Vec3d& centre, const Vec3d& x) {
-  return w.velocity + cross(w.angular_velocity, x - centre - w.displacement);
-}
-
-}  // namespace
-
 MotionWalls::MotionWalls(const BodyInMotion& on)
     : on_(on),
       model_(on.model),
@@ -191,124 +180,13 @@ void MotionWalls::look_at_drift(double dt, double way) {
       if (!bodies_.order.has(p)) continue;
       const double R = model_.radius[p];
       const Vec3d r = bodies_.pose[k].r;
-      const double moved = dt * norm(bodies_.motion[k].v - velocity_at(walls_[w], model_.walls[w].centre, r));
+      const double moved = dt * norm(bodies_.motion[k].v - velocity_at(w, r));
       if (!(R > 0.0) || !(moved > R) ||
           !surfaces_[w].may_touch(at_start(static_cast<std::uint32_t>(w), r), R + moved))
         continue;
       faults_.push_back({Fault::fast, static_cast<std::uint32_t>(w), p, moved, R});
     }
   }
-}
-
-/// Those that are still near keep what they remember.
-void MotionWalls::list(OfBlock& block, RowRange rows) {
-  std::vector<Near> before = std::exchange(block.near, {});
-  auto old = before.begin();
-  block.triangles.clear();
-  for (std::size_t k = rows.first; k < rows.last; ++k) {
-    if (!is_finite(bodies_.pose[k].r)) continue;
-    const double reach = model_.radius[bodies_.order.particle[Row{k}]] + reach_ + skin_;
-    for (std::uint32_t w = 0; w < walls_.size(); ++w) {
-      if (walls_[w].off != 0) continue;
-      const Vec3d r = at_start(w, bodies_.pose[k].r);
-      while (old != before.end() && std::pair(old->row, old->wall) < std::pair(k, w)) ++old;
-      const bool was_near = old != before.end() && old->row == k && old->wall == w;
-      if (!surfaces_[w].may_touch(r, reach) && !(was_near && !old->slots.empty())) continue;
-      Near near{k, w, static_cast<std::uint32_t>(block.triangles.size()), 0, {}};
-      surfaces_[w].near(r, reach, block.triangles);
-      near.last = static_cast<std::uint32_t>(block.triangles.size());
-      if (was_near) near.slots = std::move(old->slots);
-      block.near.push_back(std::move(near));
-    }
-  }
-}
-
-const TouchNumbers<double>& MotionWalls::numbers(const Near& near) const {
-  return numbers_[near.wall][model_.material_of(bodies_.order.particle[Row{near.row}])];
-}
-
-Touching<double> MotionWalls::touching(const Near& near, const WallTouch& touch) const {
-  const std::size_t k = near.row;
-  const double R = model_.radius[bodies_.order.particle[Row{k}]];
-  const WallState& wall = walls_[near.wall];
-  const MotionRow& motion = bodies_.motion[k];
-  Touching<double> p{};
-  p.n = -rotate(wall.q, touch.normal);
-  p.overlap = R - touch.distance;
-  p.R = effective_radius(R, touch);
-  p.m = bodies_.mass[k];
-  p.Theta = bodies_.inertia[k];
-  p.l_i = touch.distance;
-  p.v =
-      velocity_at(wall, model_.walls[near.wall].centre, bodies_.pose[k].r + touch.distance * p.n) - motion.v;
-  p.w_i = motion.omega;
-  p.w_j = wall.angular_velocity;
-  return p;
-}
-
-TouchLosses<double> MotionWalls::add_touches(OfBlock& block, Near& near, LoadRow& load, double dt) {
-  const Vec3d r = bodies_.pose[near.row].r;
-  const double R = model_.radius[bodies_.order.particle[Row{near.row}]];
-  std::vector<WallTouch>& touches = block.touches;
-  touches.clear();
-  surfaces_[near.wall].touches_of({block.triangles.data() + near.first, block.triangles.data() + near.last},
-                                  at_start(near.wall, r), reach_ > 0.0 ? R + reach_ + 0.5 * skin_ : R,
-                                  touches);
-  const TouchNumbers<double>& c = numbers(near);
-  TouchLosses<double> lost;
-  std::vector<Slot>& before = block.slots;
-  before.clear();
-  std::swap(before, near.slots);
-  for (const WallTouch& touch : touches) {
-    if (is_too_wide(R, touch.curvature_1, touch.curvature_2)) {
-      block.faults.push_back({Fault::too_wide, near.wall, bodies_.order.particle[Row{near.row}]});
-      continue;
-    }
-    const Touching<double> p = touching(near, touch);
-    const Vec3d normal = -p.n;
-    auto same = before.end();
-    for (auto s = before.begin(); s != before.end(); ++s) {
-      const double likeness = dot(s->normal, normal);
-      if (likeness > (same == before.end() ? same_touch : dot(same->normal, normal))) same = s;
-    }
-    Slot slot{normal, same == before.end() ? PairHistory{} : same->history};
-    const bool touches_now =
-        p.overlap > 0.0 || (slot.history[3] > 0.0 && holds_on(forms_, c, p.R, p.overlap));
-    if (!touches_now && same == before.end()) continue;
-    if (same != before.end()) before.erase(same);
-    if (!touches_now) {
-      if (dt > 0.0) lost += lost_on_parting(forms_, c, p, dt, touch_history(slot.history));
-      continue;
-    }
-    if (!(p.l_i > 0.0) || p.l_i < dt * dot(p.v, p.n))  // the centre was on the other side
-      block.faults.push_back({Fault::passed, near.wall, bodies_.order.particle[Row{near.row}]});
-    if (has_servo(near.wall)) {
-      const ContactSlopes slopes = contact_slopes(forms_, c, p.R, p.m, std::max(p.overlap, 0.0));
-      const double along = sq(dot(p.n, drive_[near.wall]->servo->direction)), across = 1.0 - along;
-      const double c_t = slopes.tangential > 0.0 ? c.tangential_damping : 0.0;
-      block.slopes[near.wall].k += along * slopes.normal + across * slopes.tangential;
-      block.slopes[near.wall].g += (along + across * c_t) * slopes.damping;
-    }
-    const TouchLoads<double> l = vbond::touch(forms_, c, p, dt, touch_history(slot.history));
-    load.F += l.F;
-    load.M += p.l_i * cross(p.n, l.F) + l.M;
-    const Vec3d arm = r + p.l_i * p.n - model_.walls[near.wall].centre - walls_[near.wall].displacement;
-    block.F[near.wall] -= l.F;
-    block.M[near.wall] -= cross(arm, l.F) + l.M;
-    if (dt > 0.0) lost += l.lost;
-    slot.history = numbers_of(l.history);
-    near.slots.push_back(slot);
-  }
-  if (dt > 0.0)
-    for (const Slot& s : before) {  // what it does not touch any more
-      Touching<double> p{};
-      p.n = -s.normal, p.R = R, p.l_i = R;
-      p.w_i = bodies_.motion[near.row].omega, p.w_j = walls_[near.wall].angular_velocity;
-      p.v = velocity_at(walls_[near.wall], model_.walls[near.wall].centre, r + R * p.n) -
-            bodies_.motion[near.row].v;
-      lost += lost_on_parting(forms_, c, p, dt, touch_history(s.history));
-    }
-  return lost;
 }
 
 void MotionWalls::add_loads(const Block& b, double dt) {
@@ -364,25 +242,6 @@ void MotionWalls::end_step(double dt) {
     if (!drops || !is_lost) return on_.host.diverge(found.p.value, told.who, told.what, told.way_out);
     on_.host.lose_particle({found.p, {}, told.what});
   }
-}
-
-double MotionWalls::energy(const Near& near) const {
-  double U = 0.0;
-  std::vector<WallTouch> touches;
-  const std::vector<std::uint32_t>& triangles = blocks_[near.row / block_rows].triangles;
-  const double R = model_.radius[bodies_.order.particle[Row{near.row}]];
-  surfaces_[near.wall].touches_of({triangles.data() + near.first, triangles.data() + near.last},
-                                  at_start(near.wall, bodies_.pose[near.row].r), R + reach_, touches);
-  for (const WallTouch& touch : touches) {
-    const Touching<double> p = touching(near, touch);
-    const bool held = std::any_of(near.slots.begin(), near.slots.end(), [&](const Slot& s) {
-      return dot(s.normal, p.n) < -same_touch && s.history[3] > 0.0;
-    });
-    if (p.overlap > 0.0 || (held && holds_on(forms_, numbers(near), p.R, p.overlap)))
-      U += normal_energy(forms_, numbers(near), p.R, p.overlap);
-  }
-  for (const Slot& s : near.slots) U += history_energy(forms_, numbers(near), touch_history(s.history));
-  return U;
 }
 
 double MotionWalls::energy() const {

@@ -106,6 +106,10 @@ class MotionWalls final : public MotionTerm {
   Vec3d at_start(std::uint32_t wall, const Vec3d& r) const {
     return vbond::at_start(model_.walls[wall], walls_[wall], r);
   }
+  Vec3d velocity_at(std::size_t wall, const Vec3d& r) const {
+    const WallState& w = walls_[wall];
+    return w.velocity + cross(w.angular_velocity, r - model_.walls[wall].centre - w.displacement);
+  }
   const TouchNumbers<double>& numbers(const Near& near) const;
   void prescribe(std::size_t wall, double t, double dt);
   void set_velocity(std::size_t wall, std::int64_t stage_step, double dt);
