@@ -248,12 +248,14 @@ class Simulation final : public BodyView, private MotionHost {
     double time;
     std::array<char, 512> who, what, way_out;
   };
+  /// The blocks that move here, and those of ghosts behind them.
   const Team& all_known() const { return with_ghosts_ ? *with_ghosts_ : team_; }
   std::vector<ParticleId> own_particles() const;
   std::vector<BondId> own_bonds() const;
   bool may_meet() const { return contacts_.any() || capsules_.any() || !stage_.bonding.empty(); }
   bool is_time_to_meet() const;
   bool meet(bool interrupted);
+  /// Ends the run where any part has failed: all parts throw what the first has found.
   void agree_on_failure();
   void fold_brought_in() const;
   /// Whether what may meet is known only until particles have gone so far.
@@ -338,8 +340,8 @@ class Simulation final : public BodyView, private MotionHost {
   std::int64_t unmet_ = 0;                 // steps since meet()
   bool has_outgrown_ = false;
   mutable std::vector<double> brought_in_;  // start and work after each step, since they were summed
-  double last_way_ = 0;
-  mutable std::optional<Survey> survey_;  // empty: positions or velocities have changed since
+  double last_way_ = 0;                     // a bound of the longest way of the last step  [length]
+  mutable std::optional<Survey> survey_;    // empty: positions or velocities have changed since
 };
 
 }  // namespace vbond
