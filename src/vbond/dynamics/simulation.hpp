@@ -44,6 +44,9 @@ namespace vbond {
 /// some three of twice the work of a bond.
 std::size_t work_of_particle(const Model& model);
 
+/// Throws std::invalid_argument if model, stage or state have a mistake (model/mistakes.hpp).
+void require_able_to_begin(const Model& model, const Stage& stage, const State& state);
+
 /// One stage of a run: a const Model, a Stage, and the State that the step loop moves.
 /// Observers see it read-only. Results are bitwise the same for any number of threads.
 /// Programs use a Run (run/run.hpp), which makes one for each of its stages.
@@ -60,8 +63,8 @@ class Simulation final : public BodyView, private MotionHost {
       : Simulation(model, std::move(stage), &state, threads) {}
   /// The same, and gives the state back if a stage cannot begin in it.
   Simulation(const Model& model, Stage stage, State* state, int threads = 1);
-  /// A part of a body, whose other parts other processes step: it goes on from a state that has begun, of the
-  /// whole body, and gives it back if that cannot be.
+  /// A part of a body, whose other parts other processes step: it begins the stage, or goes on from a state
+  /// that has begun, of the whole body, and gives it back if that cannot be.
   Simulation(const Model& model, Stage stage, State* state, Share share, Exchange& exchange);
   Simulation(const Model&&, Stage, State, int = 1) = delete;  // a temporary would be gone at the first step
   Simulation(const Model&&, Stage, State*, int = 1) = delete;
@@ -85,11 +88,6 @@ class Simulation final : public BodyView, private MotionHost {
   /// After so many steps the processes that step a body tell each other of failures and interruptions; who
   /// looks more often has them wait for that look alone. 1 where one process steps the whole body.
   std::int64_t steps_between_meetings() const { return is_part_ ? 64 : 1; }
-  /// Particles that are nearer than this may touch or be bonded, capsules apart; 0: none.  [length]
-  double reach() const;
-  /// Whether bonds touch as capsules, or may be made so: each process works out all of them, and must know
-  /// all particles.
-  bool any_capsules_to_come() const;
   /// Of a part: its particles have gone so far that the body is to be spread anew. run() ends.
   /// Of a periodic body: images of particles may be missing of what may touch.
   bool has_outgrown_its_part() const { return has_outgrown_; }
@@ -270,6 +268,7 @@ class Simulation final : public BodyView, private MotionHost {
     std::array<char, 512> who, what, way_out;
   };
   const Team& all_known() const { return with_ghosts_ ? *with_ghosts_ : team_; }
+  double reach() const;
   bool may_meet() const { return contacts_.any() || capsules_.any() || !stage_.bonding.empty(); }
   bool is_time_to_meet() const;
   bool meet(bool interrupted);

@@ -10,6 +10,7 @@
 #include "vbond/core/error.hpp"
 #include "vbond/core/images.hpp"
 #include "vbond/dynamics/simulation.hpp"
+#include "vbond/model/capsules.hpp"
 
 namespace vbond {
 namespace {
@@ -150,9 +151,16 @@ double Simulation::reach() const {
   return may_meet() ? std::max(contacts_.reach(), bonding_.reach()) : 0.0;
 }
 
-bool Simulation::any_capsules_to_come() const {
-  return capsules_.any() || std::any_of(stage_.bonding.begin(), stage_.bonding.end(),
-                                        [](const BondingRule& rule) { return rule.recipe.capsule; });
+Acquaintance acquaintance(const Model& model, const Stage& stage, const State& state) {
+  const Order nobody;
+  const BondIndex none;
+  const bool capsules = any_capsules(model.contact, state.bonds);
+  const bool to_come = std::any_of(stage.bonding.begin(), stage.bonding.end(),
+                                   [](const BondingRule& rule) { return rule.recipe.capsule; });
+  const Contacts contacts(model, nobody, none);
+  const bool may_meet = contacts.any() || capsules || !stage.bonding.empty();
+  return {may_meet ? std::max(contacts.reach(), Bonding(model, stage, nobody, none).reach()) : 0.0,
+          capsules || to_come};
 }
 
 /// Images that may come near are as many edges away as particles lie apart, and what may meet reaches.
