@@ -37,7 +37,8 @@ Stage expected_times(const StageSpec& spec, const Model& model, double dt) {
 
 std::vector<StepAhead> steps_ahead(const Case& c, const Run& run) {
   std::vector<StepAhead> ahead(c.stages.size());
-  Outlook outlook{run.current()};
+  Outlook outlook;
+  if (run.stage_index() + 1 < c.stages.size()) outlook.state = run.current();  // a copy of all of it
   for (std::size_t k = run.stage_index() + 1; k < c.stages.size(); ++k) {
     const AnyStage later = run.stages().look_ahead(k, run.model(), outlook);
     const auto* stage = std::get_if<Stage>(&later);

@@ -249,13 +249,16 @@ void check_edits(const Case& c, const State& start, const State& now, const fs::
          "stages that have begun cannot be left out",
          "undo the edit"});
   const PerBond<Bond>& made = start.bonds;
-  PerBond<Bond> kept = now.bonds;
-  for (const WarmBond& w : now.warm_bonds) kept[w.bond] = with_growth(now, w, 0.0);  // as they were made
-  const auto made_alike = [](const Bond& b, Bond kept_bond) {
-    kept_bond.broken = b.broken, kept_bond.mode = b.mode;
-    return b == kept_bond;
+  auto warm = now.warm_bonds.begin();  // in order of bonds
+  const auto is_kept = [&](BondId k) {
+    const bool expands = warm != now.warm_bonds.end() && warm->bond == k;
+    Bond kept = expands ? with_growth(now, *warm++, 0.0) : now.bonds[k];  // as it was made
+    kept.broken = made[k].broken, kept.mode = made[k].mode;
+    return made[k] == kept;
   };
-  if (made.size() <= kept.size() && std::equal(made.begin(), made.end(), kept.begin(), made_alike)) return;
+  bool all_kept = made.size() <= now.bonds.size();
+  for (BondId k{0}; all_kept && k.value < made.size(); ++k.value) all_kept = is_kept(k);
+  if (all_kept) return;
   throw CaseError(
       {{case_file.string(), 0, 0},
        "resolved.toml was edited: its bonds are not those of the checkpoint",
@@ -395,6 +398,7 @@ int resume(const fs::path& folder, const RunOptions& options) {
   Checkpoint checkpoint = read_checkpoint(folder / "checkpoint.h5", built.model);
   check_stages(c, checkpoint.state.clock, folder);
   check_edits(c, built.state, checkpoint.state, folder / "resolved.toml");
+  built.state = {};
   const Clock clock = checkpoint.state.clock;  // all of the state that observers go on from
   Run run(std::move(built.model), std::move(checkpoint.state), stages_of(c, options.threads),
           options.threads);

@@ -144,9 +144,10 @@ void BondVbond::store(int i, int place, const vbond::Bond& b, bool first_has_lar
   numbers[at_reversed] = first_has_larger_id ? 1.0 : 0.0;
   numbers[at_attachment] = b.R_i, numbers[at_attachment + 1] = b.R_j;
   double* to = &numbers[at_frames];
-  for (const Quatd& q : {b.frame_i, b.frame_j})
+  for (const Quatd& q : {b.frame_i, frame_j(b)})
     for (const double x : {q.w, q.x, q.y, q.z}) *to++ = x;
-  std::copy(b.coefficients.begin(), b.coefficients.end(), to);
+  const vbond::Coefficients coefficients = b.coefficients;
+  std::copy(coefficients.begin(), coefficients.end(), to);
   for (int k = 0; k < stored_numbers; ++k)
     fix_bond_history->update_atom_value(i, place, k, numbers[static_cast<std::size_t>(k)]);
 }
@@ -161,8 +162,10 @@ vbond::Bond BondVbond::stored(const double* numbers, int type) const {
   b.rules = b.law->has_rules ? &kept(rules) : &no_rules;
   b.a = numbers[at_length];
   b.R_i = numbers[at_attachment], b.R_j = numbers[at_attachment + 1];
-  b.frame_i = quaternion(numbers + at_frames), b.frame_j = quaternion(numbers + at_frames + 4);
-  std::copy_n(numbers + at_coefficients, b.coefficients.size(), b.coefficients.begin());
+  set_frames(b, quaternion(numbers + at_frames), quaternion(numbers + at_frames + 4));
+  vbond::Coefficients coefficients;
+  std::copy_n(numbers + at_coefficients, coefficients.size(), coefficients.begin());
+  b.coefficients = coefficients;
   return b;
 }
 

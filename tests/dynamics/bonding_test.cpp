@@ -154,7 +154,7 @@ TEST(Bonding, FindsPairsInTheOrderOfRulesAndParticles) {
   std::vector<PoseRow> pose(5);
   for (const ParticleId p : s.state.r.ids()) pose[backwards.row[p].value].r = s.state.r[p];
 
-  BondIndex index(5, s.state.bonds);
+  BondIndex index(backwards, s.state.bonds);
   Bonding bonding(s.model, stage, backwards, index);
   const Team team = testing::team_of(1, 5);
   const std::vector<Bonding::Pair> pairs = bonding.find(pose, team);
@@ -169,7 +169,7 @@ TEST(Bonding, FindsPairsInTheOrderOfRulesAndParticles) {
   bonding.make(pairs, s.state);
   ASSERT_EQ(s.state.bonds.size(), 4u);
   EXPECT_EQ(s.state.bonds[BondId{3}].j, ParticleId{3});
-  index = BondIndex(5, s.state.bonds);
+  index = BondIndex(backwards, s.state.bonds);
   EXPECT_TRUE(bonding.find(pose, team).empty());  // bonded pairs are not found again
 }
 

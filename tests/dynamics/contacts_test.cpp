@@ -37,7 +37,7 @@ struct Heap {
     order = spatial_order(model.r_0);
     pose.resize(r.size());
     for (const ParticleId p : model.r_0.ids()) pose[order.row[p].value].r = r[p.value];
-    no_bonds = BondIndex(r.size(), {});
+    no_bonds = BondIndex(order, {});
   }
 
   Bodies bodies() const {
@@ -201,7 +201,7 @@ TEST(Contacts, LeaveOutBondedPairsIfToldSo) {
       if (norm(heap.pose[j].r - heap.pose[i].r) < heap.R(i) + heap.R(j) - 0.05)
         bond.i = heap.order.particle[Row{i}], bond.j = heap.order.particle[Row{j}];
   ASSERT_NE(bond.i, bond.j);
-  index = BondIndex(heap.pose.size(), {bond});
+  index = BondIndex(heap.order, {bond});
   contacts.bonds_changed();
   contacts.refresh(heap.pose, heap.team);
   const std::vector<LoadRow> after = heap.in_pieces(contacts, 128);

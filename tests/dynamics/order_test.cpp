@@ -59,5 +59,23 @@ TEST(Order, OfAPartHasOwnParticlesFirstAndThenItsGhosts) {
   EXPECT_FALSE(is_worked_out_here(part, part.row[ParticleId{3}], part.row[ParticleId{4}]));
 }
 
+// A part has no rows for particles that it does not know: they share one.
+TEST(Order, OfAPartMayHaveOneRowForAllOthers) {
+  PerParticle<Vec3d> r;
+  for (const double x : {4.0, 0.0, 3.0, 1.0, 2.0}) r.push_back({x, 0, 0});
+  const Order whole = spatial_order(r);
+  const Holding holding{
+      .own = {ParticleId{2}}, .sent = {}, .ghosts = {{ParticleId{3}, {}}}, .others_in_one_row = true};
+  const Order part = part_of(whole, holding);
+  EXPECT_EQ(part.known, 2u);
+  EXPECT_EQ(part.particle.size(), 3u);
+  for (const std::size_t p : {0, 1, 4}) {
+    EXPECT_EQ(part.row[ParticleId{p}], Row{2}) << p;
+    EXPECT_FALSE(part.knows(ParticleId{p})) << p;
+  }
+  EXPECT_EQ(part.particle[part.row[ParticleId{2}]], ParticleId{2});
+  EXPECT_EQ(part.particle[part.row[ParticleId{3}]], ParticleId{3});
+}
+
 }  // namespace
 }  // namespace vbond

@@ -129,8 +129,8 @@ Specimen renamed(const Specimen& s, const std::vector<std::size_t>& number, cons
     b.i = ParticleId{number[b.i.value]}, b.j = ParticleId{number[b.j.value]};
     if (dice(0, 1) < 0.5) {               // by its own mirror: n_1 from the other end, n_2 as it was
       const Quatd half_turn{0, 0, 1, 0};  // about n_2
-      std::swap(b.i, b.j), std::swap(b.R_i, b.R_j), std::swap(b.frame_i, b.frame_j);
-      b.frame_i = b.frame_i * half_turn, b.frame_j = b.frame_j * half_turn;
+      std::swap(b.i, b.j), std::swap(b.R_i, b.R_j);
+      set_frames(b, frame_j(b) * half_turn, b.frame_i * half_turn);
     }
     to.state.bonds.push_back(b);
   }

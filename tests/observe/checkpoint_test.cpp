@@ -282,7 +282,7 @@ TEST(Checkpoint, ShorterRowsOfEarlierVersionsAreFilledUp) {
       H5Dcreate2(file, "/bonds/coefficients", H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
   double numbers[18]{};
   for (std::size_t k = 0; k < 2; ++k)
-    std::copy_n(chain.state.bonds[BondId{k}].coefficients.begin(), 9, numbers + 9 * k);
+    for (std::size_t n = 0; n < 9; ++n) numbers[9 * k + n] = chain.state.bonds[BondId{k}].coefficients[n];
   ASSERT_GE(H5Dwrite(set, H5T_IEEE_F64LE, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers), 0);
   H5Dclose(set), H5Sclose(space), H5Fclose(file);
   write_seal(folder / "c.h5", 4, "1.2.3");

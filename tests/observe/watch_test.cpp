@@ -268,8 +268,8 @@ TEST(Watch, NotANumberNamesTheParticle) {
 
 TEST(Watch, NotANumberInABondNamesTheBond) {
   Chain chain;
-  chain.state.bonds[BondId{1}].coefficients[0] =
-      std::numeric_limits<double>::infinity();  // times (D - a)^2 = 0
+  chain.state.bonds[BondId{1}].coefficients.set(
+      0, std::numeric_limits<double>::infinity());  // times (D - a)^2 = 0
   Energies e;
   e.U_L = std::numeric_limits<double>::quiet_NaN();
   Listener l;

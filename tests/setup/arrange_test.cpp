@@ -155,7 +155,7 @@ TEST(Arranged, BondsOfATurnedBodyLieInItAsBefore) {
   for (const Bond& bond : b.state.bonds) {
     EXPECT_NEAR(bond.a, 1.0, 1e-14);
     EXPECT_LT(norm(rotate(bond.frame_i, along) - along), 1e-14);
-    EXPECT_LT(norm(rotate(bond.frame_j, along) - along), 1e-14);
+    EXPECT_LT(norm(rotate(frame_j(bond), along) - along), 1e-14);
   }
 }
 

@@ -447,7 +447,7 @@ TEST(Equilibrium, IsNotFoundFromWhereBondedParticlesLieOnEachOther) {
 // Forces up to 1e308, and a way of 1e200 on a bond of 1e300.
 TEST(Equilibrium, OfForcesThatOverflowIsNone) {
   testing::Specimen rod = testing::straight_rod(3);
-  rod.state.bonds[BondId{0}].coefficients[0] = 1e300;
+  rod.state.bonds[BondId{0}].coefficients.set(0, 1e300);
   const std::string why = refusal(rod, closing({1e200, 0, 0}));
   EXPECT_TRUE(holds(why, "bond 0 (particles 0, 1): its")) << why;
   EXPECT_TRUE(holds(why, "not finite")) << why;

@@ -184,7 +184,7 @@ Specimen softening_bar(std::size_t n) {
   Specimen s = testing::straight_rod(n + 1, recipe);
   Bond& weak = s.state.bonds[BondId{1}];
   for (std::size_t k = 0; k < weak.law->fields.size(); ++k)
-    if (weak.law->fields[k].name == "weakness") weak.coefficients[k] = 1e-6;
+    if (weak.law->fields[k].name == "weakness") weak.coefficients.set(k, 1e-6);
   return s;
 }
 StaticStage drawn(std::size_t n, double elongation) {

@@ -61,6 +61,7 @@ class Column {
   std::size_t size() const { return values_.size(); }
   bool empty() const { return values_.empty(); }
   IdRange<IdType> ids() const { return IdRange<IdType>(size()); }
+  void reserve(std::size_t size) { values_.reserve(size); }
   void push_back(const T& value) { values_.push_back(value); }
   void assign(std::size_t size, const T& value) { values_.assign(size, value); }
   void resize(std::size_t size, const T& value = T{}) { values_.resize(size, value); }

@@ -7,10 +7,13 @@
 
 namespace vbond {
 
-BondIndex::BondIndex(std::size_t particles, const PerBond<Bond>& bonds)
-    : start_(particles + 1, 0), of_fibre_(particles_of_fibres(particles, bonds)) {
+BondIndex::BondIndex(const Order& order, const PerBond<Bond>& bonds)
+    : start_(order.row.size() + 1, 0), of_fibre_(particles_of_fibres(order.row.size(), bonds)) {
+  const auto is_left_out = [&order](const Bond& b) {
+    return b.broken || !(order.knows(b.i) || order.knows(b.j));
+  };
   for (const Bond& b : bonds) {
-    if (b.broken) continue;
+    if (is_left_out(b)) continue;
     ++start_[b.i.value + 1];
     ++start_[b.j.value + 1];
   }
@@ -19,7 +22,7 @@ BondIndex::BondIndex(std::size_t particles, const PerBond<Bond>& bonds)
   end_.assign(start_.begin(), start_.end() - 1);
   for (const BondId b : bonds.ids()) {
     const Bond& bond = bonds[b];
-    if (bond.broken) continue;
+    if (is_left_out(bond)) continue;
     entries_[end_[bond.i.value]++] = {b, bond.j, true, bond.image_j};
     entries_[end_[bond.j.value]++] = {b, bond.i, false, -bond.image_j};
   }

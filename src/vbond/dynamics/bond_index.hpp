@@ -2,11 +2,13 @@
 #include <cstdint>
 #include <vector>
 
+#include "vbond/dynamics/order.hpp"
 #include "vbond/model/state.hpp"
 
 namespace vbond {
 
-/// The unbroken bonds of each particle in order of creation: for summing loads and for asking who is bonded.
+/// The unbroken bonds of each particle in order of creation: for asking who is bonded. Of a part of a body
+/// those of which it knows an end.
 class BondIndex {
  public:
   struct Entry {
@@ -23,7 +25,7 @@ class BondIndex {
   };
 
   BondIndex() = default;
-  BondIndex(std::size_t particles, const PerBond<Bond>& bonds);
+  BondIndex(const Order& order, const PerBond<Bond>& bonds);
 
   /// This bond between i and j is broken.
   void remove(BondId bond, ParticleId i, ParticleId j);

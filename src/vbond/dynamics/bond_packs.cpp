@@ -40,7 +40,7 @@ void fill_lane(FullPack& p, std::size_t l, const Bond& b, double /*scale*/) {
   p.a[l] = b.a, p.R_i[l] = b.R_i, p.R_j[l] = b.R_j;
   for (std::size_t k = 0; k < most_coefficients; ++k) p.coefficients[k][l] = b.coefficients[k];
   put(b.frame_i, l, p.frame_i);
-  put(b.frame_j, l, p.frame_j);
+  put(frame_j(b), l, p.frame_j);
 }
 
 /// Calls f(first, last) for the longest stretches of items that are `alike`.
@@ -65,7 +65,7 @@ struct BondPacks::Sorted {
 };
 
 BondPacks::Kind BondPacks::kind_of(const Bond& b, bool expands) {
-  if (b.frame_i == b.frame_j && !expands && !b.law->has_offsets) {
+  if (!b.other_frame_j && !expands && !b.law->has_offsets) {
     for (std::size_t t = 0; t < types_.size(); ++t) {
       const BondType& type = types_[t];
       if (type.law != b.law || type.rules != b.rules || type.R_i != b.R_i || type.R_j != b.R_j) continue;
@@ -95,7 +95,8 @@ void BondPacks::arrange(const State& state, const Order& order, const Team& team
   const PerBond<Bond>& bonds = state.bonds;
   for (const BondLaw* law : named_laws()) full_types_.push_back({law});
   std::vector<Sorted> sorted;
-  sorted.reserve(bonds.size());
+  sorted.reserve(static_cast<std::size_t>(std::count_if(
+      bonds.begin(), bonds.end(), [&order](const Bond& b) { return !b.broken && order.has(b.i); })));
   auto warm = state.warm_bonds.begin();
   for (const BondId b : bonds.ids()) {
     const bool expands = warm != state.warm_bonds.end() && warm->bond == b;

@@ -67,9 +67,9 @@ void Contacts::bonds_changed() {
 
 Contacts::Touch Contacts::unbonded(Row i, Row j, const Bodies& bodies) {
   if (!list_ || model_.contact.pairs != ContactPairs::unbonded) return {};
+  if (std::max(i, j).value >= order_.known) return {};  // of other parts
   if (index_.of_fibre(order_.particle[i]) || index_.of_fibre(order_.particle[j])) return {};
-  const std::size_t known = order_.known;
-  if (i.value < known && j.value < known && is_worked_out_here(order_, i, j)) {
+  if (is_worked_out_here(order_, i, j)) {
     list_->add(i, j);
     if (touches_) unbonded_.emplace_back(i, j);
   }

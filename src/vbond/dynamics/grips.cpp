@@ -6,7 +6,7 @@
 namespace vbond {
 
 Grips::Grips(const Stage& stage, Bodies& bodies, const Team& team) : stage_(stage), bodies_(bodies) {
-  std::vector<char> taken(bodies.pose.size(), 0);  // by a grip that agrees
+  PerParticle<char> taken(bodies.order.row.size(), 0);  // by a grip that agrees
   for (const Support& s : stage.supports) {
     if (!s.rigid) continue;
     grips_.push_back({&s, TimeIntegral(s.factor), {}, members_.size()});
@@ -15,7 +15,7 @@ Grips::Grips(const Stage& stage, Bodies& bodies, const Team& team) : stage_(stag
   }
   std::vector<ByBlock::Entry> entries;
   for (std::size_t k = 0; k < members_.size(); ++k)
-    if (!std::exchange(taken[members_[k].row], 1)) {
+    if (!std::exchange(taken[particle_of(members_[k], k)], 1)) {
       members_[k].moved = true;
       if (members_[k].row < bodies.order.own) entries.push_back({members_[k].row, k});
     }
@@ -42,17 +42,24 @@ PoseRow Grips::pose_at(const Member& m, const Place& at) {
   return pose;
 }
 
-bool Grips::stands_at(const Grip& grip, const Place& now) const {
+/// Member k, which other parts of the body may move.
+ParticleId Grips::particle_of(const Member& m, std::size_t k) const {
+  const Grip& grip = grips_[m.grip];
+  return grip.support->particles[k - grip.first];
+}
+
+bool Grips::stands_at(const Grip& grip, const Place& now, const State& state) const {
   for (std::size_t k = grip.first; k < grip.first + grip.support->particles.size(); ++k) {
     if (!members_[k].moved) continue;
-    const PoseRow &is = bodies_.pose[members_[k].row], belongs = pose_at(members_[k], now);
-    if (!(is.r == belongs.r && is.q == belongs.q)) return false;
+    const ParticleId p = particle_of(members_[k], k);
+    const PoseRow belongs = pose_at(members_[k], now);
+    if (!(state.r[p] == belongs.r && state.q[p] == belongs.q)) return false;
   }
   return true;
 }
 
 /// From the present poses on.
-void Grips::take_hold(Grip& grip, double s) {
+void Grips::take_hold(Grip& grip, double s, const State& state) {
   const Support& support = *grip.support;
   Vec3d pivot;
   if (support.pivot) {
@@ -62,7 +69,7 @@ void Grips::take_hold(Grip& grip, double s) {
     for (const ParticleId p : support.particles) {
       const std::size_t row = bodies_.order.row[p].value;
       const double w = is_free_grip(support) ? bodies_.mass[row] : 1.0;
-      pivot += w * bodies_.pose[row].r, weight += w;
+      pivot += w * state.r[p], weight += w;
     }
     pivot = pivot / weight;
   }
@@ -70,8 +77,8 @@ void Grips::take_hold(Grip& grip, double s) {
   grip.state.from = s;
   grip.state.particles = static_cast<std::int64_t>(support.particles.size());
   for (std::size_t k = grip.first; k < grip.first + support.particles.size(); ++k) {
-    const PoseRow& pose = bodies_.pose[members_[k].row];
-    members_[k].as_held = {pose.r - pivot, pose.q};
+    const ParticleId p = particle_of(members_[k], k);
+    members_[k].as_held = {state.r[p] - pivot, state.q[p]};
   }
   if (!is_free_grip(support)) return;
   begin_free(grip);
@@ -120,7 +127,7 @@ void Grips::read(const State& state, bool begun) {
       grip.state = state.grips[k];
       if (is_free_grip(*grip.support)) begin_free(grip);
     }
-    if (!kept || !stands_at(grip, place_of(grip, s))) take_hold(grip, s);
+    if (!kept || !stands_at(grip, place_of(grip, s), state)) take_hold(grip, s, state);
   }
 }
 

@@ -82,10 +82,11 @@ class Grips {
     GrippedPose as_held;
     bool moved = false;  ///< by its grip; else by another one that agrees
   };
+  ParticleId particle_of(const Member& m, std::size_t k) const;
   Place place_of(const Grip& grip, double s) const;
   static PoseRow pose_at(const Member& m, const Place& at);
-  bool stands_at(const Grip& grip, const Place& now) const;
-  void take_hold(Grip& grip, double s);
+  bool stands_at(const Grip& grip, const Place& now, const State& state) const;
+  void take_hold(Grip& grip, double s, const State& state);
   void begin_free(Grip& grip);
   void find_motion(Grip& grip);
   Rates loads_on(const Grip& grip, const Vec3d& pivot) const;

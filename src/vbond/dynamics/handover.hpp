@@ -15,12 +15,6 @@ struct OwnPart {
   const State& state;  ///< up to date for these alone, and for where both ends of the bonds are
 };
 
-/// Which particles of a body may meet.
-struct MayMeet {
-  double reach = 0;  ///< those that are nearer may touch or be bonded, capsules apart; 0: none  [length]
-  bool all = false;  ///< bonds touch as capsules, or may be made so: each process works out all of them
-};
-
 /// What another Simulation of the stage goes on from.
 struct Handover {
   State state;

@@ -122,8 +122,13 @@ Order part_of(const Order& whole, const Holding& holding) {
     part.particle.push_back(g.particle);
   }
   part.known = part.particle.size();
-  for (const ParticleId p : whole.particle)
-    if (place[p] == absent) add(p);
+  for (const ParticleId p : whole.particle) {
+    if (place[p] != absent) continue;
+    if (holding.others_in_one_row && part.particle.size() > part.known)
+      part.row[p] = Row{part.known};
+    else
+      add(p);
+  }
   std::sort(part.by_image.begin(), part.by_image.end(),
             [&part](Row k, Row l) { return part.image_of(k) < part.image_of(l); });
   return part;

@@ -12,8 +12,8 @@ namespace vbond {
 /// Which particle stands in which row, and back. All particles have a row. Of a body that is stepped in
 /// parts, each by a process of its own, the first rows are those of the part. They are taken 1024 at a time;
 /// in each such slab those that are sent come last, so that few blocks have any. Then come its own ghosts,
-/// particles of other parts and images of any that it may touch or is bonded to. What stands in the rows of
-/// all others is not known.
+/// particles of other parts and images of any that it may touch or is bonded to. All others may share one row
+/// behind these; what stands there is not known.
 struct Order {
   PerRow<ParticleId> particle;
   PerParticle<Row> row;
@@ -67,7 +67,8 @@ Order spatial_order(const PerParticle<Vec3d>& r);
 struct Holding {
   std::vector<ParticleId> own, sent;
   std::vector<ImageOf> ghosts;
-  bool apart = false;  ///< empty rows fill up the last rows_at_once before the ghosts
+  bool apart = false;              ///< empty rows fill up the last rows_at_once before the ghosts
+  bool others_in_one_row = false;  ///< all others share the last row; else each has one of its own
 };
 
 /// The order of a part of a body: otherwise as that of the whole.

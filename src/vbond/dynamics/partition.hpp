@@ -2,6 +2,7 @@
 #include "vbond/dynamics/exchange.hpp"
 #include "vbond/dynamics/order.hpp"
 #include "vbond/model/model.hpp"
+#include "vbond/model/stage.hpp"
 #include "vbond/model/state.hpp"
 
 namespace vbond {
@@ -14,7 +15,17 @@ struct Share {
   double farthest = 0;
   /// Not once one has gone farther than this: it could not be found again. Such a body diverges.  [length]
   double lost_beyond = 0;
+  bool begins = false;  ///< with it the stage begins, or goes on after a checkpoint
 };
+
+/// What the processes must know of each other's particles in a stage: those that are nearer than this may
+/// touch or be bonded, capsules apart (0: none  [length]); and whether each must know all, because bonds
+/// touch as capsules, or may be made so.
+struct Acquaintance {
+  double reach = 0;
+  bool knows_all = false;
+};
+Acquaintance acquaintance(const Model& model, const Stage& stage, const State& state);
 
 /// Spreads the particles of a body over processes, which exchange what they need of each other. All processes
 /// call these functions at the same time, with the same whole state.

@@ -51,6 +51,9 @@ struct Deep {
   const MotionWalls& walls;
 };
 
+/// Throws std::invalid_argument if model, stage or state have a mistake (model/mistakes.hpp).
+void require_able_to_begin(const Model& model, const Stage& stage, const State& state);
+
 /// One stage of a run: a const Model, a Stage, and the State that the step loop moves.
 /// Observers see it read-only. Results are bitwise the same for any number of threads.
 /// Programs use a Run (run/run.hpp), which makes one for each of its stages.
@@ -67,8 +70,8 @@ class Simulation final : public BodyView, private MotionHost {
       : Simulation(model, std::move(stage), &state, threads) {}
   /// The same, and gives the state back if a stage cannot begin in it.
   Simulation(const Model& model, Stage stage, State* state, int threads = 1);
-  /// A part of a body, whose other parts other processes step: it goes on from a state that has begun, of the
-  /// whole body, and gives it back if that cannot be.
+  /// A part of a body, whose other parts other processes step: it begins the stage, or goes on from a state
+  /// that has begun, of the whole body, and gives it back if that cannot be.
   Simulation(const Model& model, Stage stage, State* state, Share share, Exchange& exchange);
   Simulation(const Model&&, Stage, State, int = 1) = delete;  // a temporary would be gone at the first step
   Simulation(const Model&&, Stage, State*, int = 1) = delete;
@@ -124,8 +127,6 @@ class Simulation final : public BodyView, private MotionHost {
   /// After so many steps the processes that step a body tell each other of failures and interruptions; who
   /// looks more often has them wait for that look alone. 1 where one process steps the whole body.
   std::int64_t steps_between_meetings() const { return is_part_ ? 64 : 1; }
-  /// For a Partition that spreads it.
-  MayMeet what_may_meet() const;
 
   // ---- another Simulation of the stage that goes on with it ----
   /// Where run() has ended before the stage, and cannot go on: bodies came in or particles were taken out, or
@@ -250,6 +251,7 @@ class Simulation final : public BodyView, private MotionHost {
   };
   /// The blocks that move here, and those of ghosts behind them.
   const Team& all_known() const { return with_ghosts_ ? *with_ghosts_ : team_; }
+  double reach() const;
   std::vector<ParticleId> own_particles() const;
   std::vector<BondId> own_bonds() const;
   bool may_meet() const { return contacts_.any() || capsules_.any() || !stage_.bonding.empty(); }

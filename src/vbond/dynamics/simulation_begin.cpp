@@ -27,13 +27,16 @@ std::vector<std::size_t> work_of_blocks(const Model& model, const Bodies& bodies
 
 /// The model, if the three belong together. A part is one of a body that has been looked at.
 const Model& consistent(const Model& model, const Stage& stage, const State& state, bool is_part) {
-  if (is_part) return model;
-  require_consistent("Simulation", model, stage, state);
-  if (const auto bond = bond_without_length(state, growth_in(state, stage))) refuse("Simulation", {*bond});
+  if (!is_part) require_able_to_begin(model, stage, state);
   return model;
 }
 
 }  // namespace
+
+void require_able_to_begin(const Model& model, const Stage& stage, const State& state) {
+  require_consistent("Simulation", model, stage, state);
+  if (const auto bond = bond_without_length(state, growth_in(state, stage))) refuse("Simulation", {*bond});
+}
 
 std::size_t work_of_particle(const Model& model) {
   return is_elastic(model.contact, model.materials) ? 1 : 7;
@@ -77,7 +80,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
   books_.resize(all_known().blocks());
   lost_.resize(all_known().blocks());
   try {
-    const bool begun = is_part_ || state_.clock.stage_step != 0;
+    const bool begun = (is_part_ && !share.begins) || state_.clock.stage_step != 0;
     if (!leads()) {  // parts add up
       booked_ = {.largest = booked_.largest};
       for (GripState& g : state_.grips) g.work = 0.0;
@@ -112,7 +115,10 @@ void Simulation::begin_stage() {
   for (MotionTerm* t : terms_.all()) t->before_stage(run_begins);
   evaluate_loads();
   if (cell_.any()) cell_.look(team_);
-  if (run_begins) booked_ = opened_books(state_, energies().total());
+  if (run_begins) {
+    const EnergyBooks opened = opened_books(state_, energies().total());
+    booked_ = leads() ? opened : EnergyBooks{.largest = opened.largest};
+  }
   for (MotionTerm* t : terms_.all()) t->begin_stage();
   supports_.set_times(0, stage_.dt);
   team_.for_blocks(

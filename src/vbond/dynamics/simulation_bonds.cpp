@@ -43,7 +43,7 @@ void Simulation::arrange_bonds() {
 
 void Simulation::bonds_changed() {
   arrange_bonds();
-  bond_index_ = BondIndex(model_.particles(), state_.bonds);
+  bond_index_ = BondIndex(bodies_.order, state_.bonds);
   rounding_scale_ = scale_of_rounding(state_.bonds);
   contacts_.bonds_changed();
   capsules_.bonds_changed(state_.bonds);
@@ -125,9 +125,10 @@ bool Simulation::break_bonds() {
     broken.insert(broken.end(), of_part.begin(), of_part.end());
     of_part.clear();
   }
+  add_joints_that_part(broken);
   broken = exchange_.gather(broken);
   if (broken.empty()) return false;
-  add_joints_that_part(broken);
+  std::sort(broken.begin(), broken.end());
   std::vector<Broken> records;
   for (const BondId k : broken)
     if (const Broken record = broken_now(k); bodies_.order.has(state_.bonds[k].i)) records.push_back(record);
@@ -144,8 +145,8 @@ bool Simulation::break_bonds() {
   return true;
 }
 
-/// Sorts what breaks, with the other cracked cells of joints of which one parts: their spheres touch from now
-/// on.
+/// Sorts what breaks here, with the other cracked cells of joints of which one parts, which are of the same
+/// part of the body: their spheres touch from now on.
 void Simulation::add_joints_that_part(std::vector<BondId>& broken) const {
   for (std::size_t k = 0, first = broken.size(); k < first; ++k) {
     const Bond& parts = state_.bonds[broken[k]];

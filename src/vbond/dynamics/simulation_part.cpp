@@ -10,6 +10,7 @@
 #include "vbond/core/error.hpp"
 #include "vbond/core/images.hpp"
 #include "vbond/dynamics/simulation.hpp"
+#include "vbond/model/capsules.hpp"
 
 namespace vbond {
 namespace {
@@ -145,10 +146,20 @@ void Simulation::agree_on_failure() {
   throw Diverged(first.step, first.time, first.who.data(), first.what.data(), first.way_out.data());
 }
 
-MayMeet Simulation::what_may_meet() const {
-  const bool any_to_come = std::any_of(stage_.bonding.begin(), stage_.bonding.end(),
-                                       [](const BondingRule& rule) { return rule.recipe.capsule; });
-  return {may_meet() ? std::max(contacts_.reach(), bonding_.reach()) : 0.0, capsules_.any() || any_to_come};
+double Simulation::reach() const {
+  return may_meet() ? std::max(contacts_.reach(), bonding_.reach()) : 0.0;
+}
+
+Acquaintance acquaintance(const Model& model, const Stage& stage, const State& state) {
+  const Order nobody;
+  const BondIndex none;
+  const bool capsules = any_capsules(model.contact, state.bonds);
+  const bool to_come = std::any_of(stage.bonding.begin(), stage.bonding.end(),
+                                   [](const BondingRule& rule) { return rule.recipe.capsule; });
+  const Contacts contacts(model, nobody, none);
+  const bool may_meet = contacts.any() || capsules || !stage.bonding.empty();
+  return {may_meet ? std::max(contacts.reach(), Bonding(model, stage, nobody, none).reach()) : 0.0,
+          capsules || to_come};
 }
 
 /// Images that may come near are as many edges away as particles lie apart, and what may meet reaches.
@@ -157,8 +168,8 @@ void Simulation::note_where_it_begins() {
   for (std::size_t k = 0; k < bodies_.order.own; ++k) r_begin_.push_back(bodies_.pose[k].r);
   cell_begin_ = state_.cell;
   if (state_.cell.empty() || !may_meet()) return;
-  farthest_image_ = farthest_images(state_.cell, model_.cell.periodic, state_.r.values(),
-                                    what_may_meet().reach + 2.0 * farthest_);
+  farthest_image_ =
+      farthest_images(state_.cell, model_.cell.periodic, state_.r.values(), reach() + 2.0 * farthest_);
 }
 
 /// How far images go with edges that go so far.

@@ -221,11 +221,13 @@ void Simulation::add_held(const Hold& hold, Row row, const Vec3d& F, const Vec3d
   total.moment += held_M + cross(bodies_.pose[row.value].r, held_F);
 }
 
+/// Those that are worked out here.
 std::vector<BondId> Simulation::bonds_inside(const std::vector<ParticleId>& particles) const {
   std::vector<BondId> inside;
   for (const ParticleId p : particles)
     for (const BondIndex::Entry& e : bond_index_.of(p))
-      if (e.is_i && std::binary_search(particles.begin(), particles.end(), e.other)) inside.push_back(e.bond);
+      if (e.is_i && bodies_.order.has(p) && std::binary_search(particles.begin(), particles.end(), e.other))
+        inside.push_back(e.bond);
   return inside;
 }
 
@@ -240,8 +242,8 @@ double Simulation::mean_axial_force(const std::vector<ParticleId>& particles) co
   return mean_axial_force(bonds_inside(particles));
 }
 
-/// Each part does its share of these bonds.
-double Simulation::mean_axial_force(const std::vector<BondId>& bonds) const {
+/// Each part does its share, of its own bonds.
+double Simulation::mean_axial_force(const std::vector<BondId>& here) const {
   if (bonds_.remembers()) bonds_.collect(state_.bond_history);
   const auto mean = [this](const std::vector<BondId>& some) {
     return vbond::mean_axial_force(some, [this](BondId k) {
@@ -251,11 +253,9 @@ double Simulation::mean_axial_force(const std::vector<BondId>& bonds) const {
                          bodies_.orientation(bodies_.order.row_j(b)));
     });
   };
-  std::vector<BondId> here = bonds;
-  std::erase_if(here, [this](BondId b) { return !bodies_.order.has(state_.bonds[b].i); });
-  double share = 0.0;
-  if (!here.empty())
-    share = mean(here) * (static_cast<double>(here.size()) / static_cast<double>(bonds.size()));
+  auto all = static_cast<double>(here.size());
+  exchange_.sum({&all, 1});
+  double share = here.empty() ? 0.0 : mean(here) * (static_cast<double>(here.size()) / all);
   exchange_.sum({&share, 1});
   return share;
 }

@@ -7,6 +7,7 @@
 #include "vbond/dynamics/bodies.hpp"
 #include "vbond/dynamics/bond_index.hpp"
 #include "vbond/dynamics/bond_pack.hpp"
+#include "vbond/model/capsules.hpp"
 #include "vbond/model/state_table.hpp"
 
 namespace vbond {
@@ -44,7 +45,7 @@ double images_per_particle(const Model& model, const State& state) {
 /// In a pack, as a mean over all bonds.
 double constants_per_bond(const State& state) {
   std::size_t compact = 0;
-  for (const Bond& b : state.bonds) compact += b.frame_i == b.frame_j;
+  for (const Bond& b : state.bonds) compact += !b.other_frame_j;
   const double part =
       state.bonds.empty() ? 1.0 : static_cast<double>(compact) / static_cast<double>(state.bonds.size());
   constexpr double lanes = pack_bonds;
@@ -53,23 +54,42 @@ double constants_per_bond(const State& state) {
   return pack + sizeof(BondId);
 }
 
+/// What bonds of State take besides, as a mean over all: what is boxed, with what an allocator adds to it.
+double boxed_per_bond(const State& state) {
+  constexpr double of_each = 16.0;
+  const std::size_t first_others = 4;  // of KeptCoefficients
+  double bytes = 0.0;
+  for (const Bond& b : state.bonds) {
+    if (b.other_frame_j) bytes += sizeof(Quatd) + of_each;
+    const Coefficients c = b.coefficients;
+    if (std::any_of(c.begin() + first_others, c.end(), [](double x) { return x != 0.0; }))
+      bytes += sizeof(double) * (c.size() - first_others) + of_each / 2;
+  }
+  return state.bonds.empty() ? 0.0 : bytes / static_cast<double>(state.bonds.size());
+}
+
+/// In the rows of the step, and in the order of the part that moves it.
+constexpr double row_bytes = sizeof(PoseRow) + sizeof(MotionRow) + sizeof(LoadRow) + sizeof(InverseInertia) +
+                             2 * sizeof(double) + sizeof(ParticleId);
+
 }  // namespace
 
 MemoryUse memory_use(const Model& model, const State& state) {
-  constexpr double row = sizeof(PoseRow) + sizeof(MotionRow) + sizeof(LoadRow) + sizeof(InverseInertia) +
-                         2 * sizeof(double) + sizeof(Row) + sizeof(ParticleId);
   return {.per_particle = 4 * sizeof(double) + sizeof(Vec3d) +  // model
-                          state_bytes_per_particle + row + 2 * sizeof(std::size_t) +
+                          state_bytes_per_particle + row_bytes + sizeof(Row) + 2 * sizeof(std::size_t) +
                           of_tops_per_particle(model) +
-                          images_per_particle(model, state) * (row + 2 * sizeof(Image)),
-          .per_bond = sizeof(Bond) + constants_per_bond(state) + 2 * sizeof(BondIndex::Entry)};
+                          images_per_particle(model, state) * (row_bytes + sizeof(Row) + 2 * sizeof(Image)),
+          .per_bond = sizeof(Bond) + boxed_per_bond(state) + constants_per_bond(state) +
+                      2 * sizeof(BondIndex::Entry)};
 }
 
 double memory_of_each_rank(const Model& model, const State& state, int ranks) {
   const MemoryUse use = memory_use(model, state);
   const auto n = static_cast<double>(model.particles()), bonds = static_cast<double>(state.bonds.size());
-  const double elsewhere = constants_per_bond(state) * (1.0 - 1.0 / ranks);
-  return n * use.per_particle + bonds * (use.per_bond - elsewhere);
+  const double elsewhere = 1.0 - 1.0 / ranks;
+  const double rows_elsewhere = any_capsules(model.contact, state.bonds) ? 0.0 : row_bytes * elsewhere;
+  const double bond_elsewhere = (constants_per_bond(state) + 2 * sizeof(BondIndex::Entry)) * elsewhere;
+  return n * (use.per_particle - rows_elsewhere) + bonds * (use.per_bond - bond_elsewhere);
 }
 
 }  // namespace vbond

@@ -11,6 +11,7 @@ Tops::Tops(const Model& model, const Order& order) {
     if (k.value < order.own && model.is_top(p))
       tops_.push_back({.row = k.value, .inertia = model.principal[p], .L = {}, .q = {}, .omega = {}});
   }
+  for (const ParticleId p : model.principal.ids()) any_in_body_ = any_in_body_ || model.is_top(p);
   if (tops_.empty()) return;
   top_of_row_.assign(filled_up(order.particle.size()), 0);
   for (std::size_t k = 0; k < tops_.size(); ++k)
@@ -39,8 +40,8 @@ void Tops::read(const State& state, const Order& order) {
 }
 
 void Tops::write(State& state, const Order& order) const {
-  if (!any()) return;
-  state.spin.assign(order.particle.size(), {});
+  if (!any_in_body_) return;  // all parts have the column
+  state.spin.assign(order.row.size(), {});
   for (const Top& top : tops_) {
     const ParticleId p = order.particle[Row{top.row}];
     state.spin[p] = top.turns() == Turns::freely

@@ -84,6 +84,7 @@ class Tops {
   static void for_each(SomeTops& tops, RowRange rows, F f);
 
   std::vector<Top> tops_;                  // by rows
+  bool any_in_body_ = false;               // or in another part of it
   std::vector<std::uint32_t> top_of_row_;  // in tops_, from 1; 0: none. Empty without tops
 };
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -7,6 +8,7 @@
 #include <string>
 #include <variant>
 
+#include "vbond/core/boxed.hpp"
 #include "vbond/core/cell.hpp"
 #include "vbond/core/column.hpp"
 #include "vbond/core/quat.hpp"
@@ -18,14 +20,51 @@
 
 namespace vbond {
 
-/// One bond: its constants, and whether it is broken. What it remembers, if anything, is in State.
+/// The coefficients of a bond, in less room: most laws have no more than the first four, or the others are
+/// zero.
+class KeptCoefficients {
+ public:
+  KeptCoefficients() = default;
+  KeptCoefficients(const Coefficients& all) {
+    std::copy_n(all.begin(), first_.size(), first_.begin());
+    Others others;
+    std::copy_n(all.begin() + first_.size(), others.size(), others.begin());
+    if (others != Others{}) others_.set(others);
+  }
+  operator Coefficients() const {
+    Coefficients all{};
+    std::copy(first_.begin(), first_.end(), all.begin());
+    if (others_) std::copy((*others_).begin(), (*others_).end(), all.begin() + first_.size());
+    return all;
+  }
+  double operator[](std::size_t k) const {
+    if (k < first_.size()) return first_[k];
+    return others_ ? (*others_)[k - first_.size()] : 0.0;
+  }
+  void set(std::size_t k, double x) {
+    Coefficients all = *this;
+    all[k] = x;
+    *this = all;
+  }
+  friend bool operator==(const KeptCoefficients&, const KeptCoefficients&) = default;
+
+ private:
+  static constexpr std::size_t at_hand = 4;
+  using Others = std::array<double, most_coefficients - at_hand>;
+  std::array<double, at_hand> first_{};
+  Boxed<Others> others_;
+};
+
+/// One bond: its constants, and whether it is broken. What it remembers, if anything, is in State. There are
+/// many: what few of them have is boxed.
 struct Bond {
   ParticleId i, j;
   const BondLaw* law = &bond_law<VModel>;  ///< never null
   double a = 0, R_i = 0, R_j = 0;          ///< length at rest, attachment distances  [length]
-  Coefficients coefficients{};             ///< of the law, in the order of its fields, in their units
+  KeptCoefficients coefficients{};         ///< of the law, in the order of its fields, in their units
   const BondRules* rules = &no_rules;      ///< never null; kept(), see model/rules.hpp
-  Quatd frame_i, frame_j;                  ///< the bond's frame in the body frames of i and j, see BondFrames
+  Quatd frame_i;                           ///< the bond's frame in the body frame of i, see BondFrames
+  Boxed<Quatd> other_frame_j{};            ///< in that of j, where it is another: see frame_j(), set_frames()
   std::uint32_t set = 0;                   ///< which bond set of the case made it
   bool broken = false;                     ///< keeps its id, and does nothing any more
   BreakMode mode = BreakMode::none;        ///< by what it broke
@@ -34,6 +73,16 @@ struct Bond {
 
   friend bool operator==(const Bond&, const Bond&) = default;
 };
+
+/// The bond's frame in the body frame of j.
+inline const Quatd& frame_j(const Bond& b) {
+  return b.other_frame_j ? *b.other_frame_j : b.frame_i;
+}
+inline void set_frames(Bond& b, const Quatd& in_i, const Quatd& in_j) {
+  b.frame_i = in_i;
+  b.other_frame_j.reset();
+  if (in_j != in_i) b.other_frame_j.set(in_j);
+}
 
 /// Whether a bond has cracked, and its faces still rub; and whether it has failed, so that it holds nothing
 /// together: broken and gone, or cracked.
@@ -111,12 +160,12 @@ inline SectionLoads<double> section_loads(const Bond& b, const BondPose<double>&
   return section_loads(section_moments(pose, b.R_i, b.R_j, loads), bond_axis(b, pose), loads);
 }
 
-/// A coefficient that rules give to a bond; its law has rules.
-inline double& coefficient_of(Bond& b, RuleCoefficient k) {
-  return b.coefficients[b.law->fields.size() - rule_coefficients + static_cast<std::size_t>(k)];
+/// Where a coefficient stands that rules give to a bond; its law has rules.
+inline std::size_t place_of(const Bond& b, RuleCoefficient k) {
+  return b.law->fields.size() - rule_coefficients + static_cast<std::size_t>(k);
 }
 inline double coefficient_of(const Bond& b, RuleCoefficient k) {
-  return b.coefficients[b.law->fields.size() - rule_coefficients + static_cast<std::size_t>(k)];
+  return b.coefficients[place_of(b, k)];
 }
 /// 1 over the factor of the bond's own strength, less 1; 0 for laws that have none.
 inline double weakness_of(const Bond& b) {
@@ -148,7 +197,7 @@ inline Vec3d between(const PerParticle<Vec3d>& r, const CellEdges& cell, const B
 
 /// The pose of a bond, its axes turned into the world frame.
 inline BondPose<double> bond_pose(const Bond& b, const Vec3d& r_ij, const Quatd& q_i, const Quatd& q_j) {
-  return bond_pose(BondFrames<double>{b.frame_i, b.frame_j}, r_ij, q_i, q_j);
+  return bond_pose(BondFrames<double>{b.frame_i, frame_j(b)}, r_ij, q_i, q_j);
 }
 
 /// All coefficients of the law as given, in the order of its fields.

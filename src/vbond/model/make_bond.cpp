@@ -100,14 +100,16 @@ void add_rules(const BondRecipe& recipe, const BondSite& i, const BondSite& j, B
   b.rules = &kept(rules);
   if (rules.damped) {
     const std::array<double, 4> g = damping_of(recipe.damping, i, j, b);
-    for (std::size_t k = 0; k < g.size(); ++k) coefficient_of(b, static_cast<RuleCoefficient>(k)) = g[k];
+    for (std::size_t k = 0; k < g.size(); ++k)
+      b.coefficients.set(place_of(b, static_cast<RuleCoefficient>(k)), g[k]);
   }
   if (recipe.weibull.modulus > 0.0) {
     const double u = variate(recipe.weibull.seed, i.id, j.id);
     const auto* theory = std::get_if<TheoryParameters>(&recipe.parameters);
     const double A =
         theory && theory->of_radii.any() ? section_of(*theory, {i.radius, j.radius}).A : recipe.weibull.area;
-    coefficient_of(b, RuleCoefficient::weakness) = 1.0 / weibull_factor(recipe.weibull, u, A * b.a) - 1.0;
+    b.coefficients.set(place_of(b, RuleCoefficient::weakness),
+                       1.0 / weibull_factor(recipe.weibull, u, A * b.a) - 1.0);
   }
 }
 
@@ -130,11 +132,12 @@ void offset_points(const BondRecipe& recipe, const BondSite& i, const BondSite& 
   if (law == nullptr)
     throw std::invalid_argument("make_bond: law \"" + std::string(b.law->name) +
                                 "\" has no form with offsets: only the library's laws do");
-  std::copy_backward(b.coefficients.begin(), b.coefficients.end() - offset_coefficients,
-                     b.coefficients.end());
+  Coefficients all = b.coefficients;
+  std::copy_backward(all.begin(), all.end() - offset_coefficients, all.end());
   const Vec3d &o_i = i.offset, &o_j = j.offset;
   const std::array<double, offset_coefficients> o{dot(o_i, n.y), dot(o_i, n.z), dot(o_j, n.y), dot(o_j, n.z)};
-  std::copy(o.begin(), o.end(), b.coefficients.begin());
+  std::copy(o.begin(), o.end(), all.begin());
+  b.coefficients = all;
   b.R_i += dot(o_i, n.x);
   b.R_j -= dot(o_j, n.x);
   b.law = law;
@@ -232,8 +235,7 @@ std::optional<Bond> make_bond(const BondRecipe& recipe, const BondSite& i, const
   b.j = j.id;
   b.image_j = j.image - i.image;
   const Quatd frame = rotation_to(e_ij, n_2);
-  b.frame_i = conjugate(i.q) * frame;
-  b.frame_j = conjugate(j.q) * frame;
+  set_frames(b, conjugate(i.q) * frame, conjugate(j.q) * frame);
   if (recipe.capsule)
     b.capsule = recipe.capsule_radius > 0.0 ? recipe.capsule_radius : std::min(i.radius, j.radius);
   const Axes<double> n = axes(frame);

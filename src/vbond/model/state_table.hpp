@@ -55,7 +55,7 @@ inline constexpr auto state_table = std::tuple{
               {.filed = Filed::where_any}),
         field("frame_i", &Bond::frame_i, unit::none,
               "the bond's frame in the body frame of i, quaternion w, x, y, z"),
-        field("frame_j", &Bond::frame_j, unit::none,
+        field("frame_j", &Bond::other_frame_j, unit::none,
               "the bond's frame in the body frame of j, quaternion w, x, y, z"),
         field("set", &Bond::set, unit::none, "which bond set of the case made it"),
         field("broken", &Bond::broken, unit::none, "1: it does nothing any more"),

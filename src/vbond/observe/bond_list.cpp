@@ -77,8 +77,11 @@ Bond read_bond(Words& words, const BondKind& kind, ParticleId i, ParticleId j) {
   b.i = i, b.j = j;
   b.law = kind.law, b.rules = kind.rules;
   b.a = words.number(), b.R_i = words.number(), b.R_j = words.number();
-  b.frame_i = words.frame(), b.frame_j = words.frame();
-  for (std::size_t k = 0; k < b.law->fields.size(); ++k) b.coefficients[k] = words.number();
+  const Quatd in_i = words.frame(), in_j = words.frame();
+  set_frames(b, in_i, in_j);
+  Coefficients coefficients{};
+  for (std::size_t k = 0; k < b.law->fields.size(); ++k) coefficients[k] = words.number();
+  b.coefficients = coefficients;
   if (!(b.a > 0.0)) words.fail("the length of a bond must be > 0");
   return b;
 }
@@ -93,7 +96,7 @@ BondList bond_list(const State& state) {
     const auto at = std::find(list.kinds.begin(), list.kinds.end(), kind);
     list.kind.push_back(static_cast<std::uint32_t>(at - list.kinds.begin()));
     if (at == list.kinds.end()) list.kinds.push_back(kind);
-    b.frame_i = state.q[b.i] * b.frame_i, b.frame_j = state.q[b.j] * b.frame_j;
+    set_frames(b, state.q[b.i] * b.frame_i, state.q[b.j] * frame_j(b));
     list.bonds.push_back(b);
   }
   return list;
@@ -110,7 +113,7 @@ std::string to_text(const BondList& list) {
     const Bond& b = list.bonds[n];
     fmt::format_to(std::back_inserter(text), "{} {} {}", b.i.value + 1, b.j.value + 1, list.kind[n] + 1);
     for (const double x : {b.a, b.R_i, b.R_j}) add_number(text, x);
-    add_frame(text, b.frame_i), add_frame(text, b.frame_j);
+    add_frame(text, b.frame_i), add_frame(text, frame_j(b));
     for (std::size_t k = 0; k < b.law->fields.size(); ++k) add_number(text, b.coefficients[k]);
     text += '\n';
   }

@@ -60,16 +60,16 @@ void check_sense(const Model& model, const State& state) {
 
 }  // namespace
 
-void write_checkpoint(const std::filesystem::path& path, const Model& model, const Checkpoint& checkpoint,
-                      const std::string& program_version) {
+void write_checkpoint(const std::filesystem::path& path, const Model& model, const State& state,
+                      const WatchRecord& watch, const std::string& program_version) {
   const H5Silence silence;
   try {
-    H5Writer writer(model.units);
-    write_tables(writer, model_table, model);
-    write_tables(writer, state_table, checkpoint.state);
-    write_tables(writer, watch_table, checkpoint.watch);
     Replacement file(path);
-    file.write(writer.bytes());
+    H5Writer writer(file.part(), model.units);
+    write_tables(writer, model_table, model);
+    write_tables(writer, state_table, state);
+    write_tables(writer, watch_table, watch);
+    writer.finish();
     write_seal(file.part(), format_version, program_version);
     file.publish(Sync::to_disk);
   } catch (const IoError& e) {

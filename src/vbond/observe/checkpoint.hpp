@@ -20,8 +20,12 @@ struct Checkpoint {
 /// Writes checkpoint.h5 so that `path` is at every moment either the old or the new checkpoint.
 /// The particles' constants go with it, to tell on reading that the model is still the same.
 /// Throws IoError.
-void write_checkpoint(const std::filesystem::path& path, const Model& model, const Checkpoint& checkpoint,
-                      const std::string& program_version);
+void write_checkpoint(const std::filesystem::path& path, const Model& model, const State& state,
+                      const WatchRecord& watch, const std::string& program_version);
+inline void write_checkpoint(const std::filesystem::path& path, const Model& model,
+                             const Checkpoint& checkpoint, const std::string& program_version) {
+  write_checkpoint(path, model, checkpoint.state, checkpoint.watch, program_version);
+}
 
 /// Reads a checkpoint back. Throws IoError if the file is missing, damaged, not a checkpoint of vbond
 /// or of another format, or if it belongs to a model with other particles than this one, or if its bonds are

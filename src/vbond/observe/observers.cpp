@@ -191,7 +191,7 @@ void CheckpointObserver::finish(const Simulation& run, StopReason /*why*/) {
 void CheckpointObserver::write(const Model& model, const State& state, const std::filesystem::path& path) {
   if (!writes_) return;
   const Timing timing(*this);
-  write_checkpoint(path, model, {state, watch_->watch().record()}, program_version_);
+  write_checkpoint(path, model, state, watch_->watch().record(), program_version_);
 }
 
 // ---- table and progress -----------------------------------------------------------------------------

@@ -163,8 +163,11 @@ Share Ranks::share_of(const Model& model, const State& state) {
   const double reach = knows_all_ && !model.cell.any() ? 0.0 : ghost_reach();
   std::vector<ImageOf> ghosts = ghosts_of(own_, model, state, reach, knows_all_);
   halo_ = Halo(own_, ghosts, model.particles(), *this);
-  Share share{part_of(order_, {own_, halo_.sent(), std::move(ghosts)}),
-              std::numeric_limits<double>::infinity(), lost_beyond_};
+  Share share{
+      part_of(
+          order_,
+          {.own = own_, .sent = halo_.sent(), .ghosts = std::move(ghosts), .others_in_one_row = !knows_all_}),
+      std::numeric_limits<double>::infinity(), lost_beyond_};
   halo_.take_rows(share.order);
   if (reach > 0.0)
     share.farthest = 0.5 * margin * reach_;

@@ -121,8 +121,10 @@ void Run::begin() {
               fmt::format("stage \"{}\" ends by the distance to particle {}, which was dropped before it",
                           name_of(stage), p.value));
     }
-  simulation_ = std::make_unique<Simulation>(model_, std::get<Stage>(stage), &state_, threads_);
-  if (partition_ != nullptr) take_part();
+  if (partition_ != nullptr)
+    take_part();
+  else
+    simulation_ = std::make_unique<Simulation>(model_, std::get<Stage>(stage), &state_, threads_);
   for (const auto& o : observers_) simulation_->add_observer(o);
 }
 
@@ -137,7 +139,7 @@ std::unique_ptr<Simulation> Run::part_of(State state, Share share) {
   }
 }
 
-/// Each process has begun the stage with the whole body, and goes on with its part.
+/// Each process begins the stage with its part of the body.
 void Run::take_part() {
   const auto& stage = std::get<Stage>(*stage_);
   require(stage.on_unphysical == OnUnphysical::stop,
@@ -146,10 +148,11 @@ void Run::take_part() {
           "several processes step the body: no pressure may act; take one process, with threads");
   require(std::none_of(stage.supports.begin(), stage.supports.end(), is_free_grip),
           "several processes step the body: no rigid group may be free in part");
-  const MayMeet may_meet = simulation_->what_may_meet();
-  State begun = std::move(*std::exchange(simulation_, {})).take_state();
-  Share share = partition_->spread(model_, begun, may_meet.reach, may_meet.all);
-  simulation_ = part_of(std::move(begun), std::move(share));
+  require_able_to_begin(model_, stage, state_);
+  const Acquaintance known = acquaintance(model_, stage, state_);
+  Share share = partition_->spread(model_, state_, known.reach, known.knows_all);
+  share.begins = true;
+  simulation_ = part_of(std::move(state_), std::move(share));
 }
 
 /// With another simulation of the stage under way, as from a checkpoint of the same moment. All bodies that

@@ -117,6 +117,7 @@ void make_bonds(const Case& c, std::size_t set, const Model& model, State& state
   const double U = potential_energies(model, state).contact, flowed = dissipated_by_flow(state),
                slip = stored_slip(model, state);
   double longest = INFINITY;  // of bonds that soften
+  state.bonds.reserve(state.bonds.size() + selected.pairs.size() * cells.size());
   for (std::size_t k = 0; k < selected.pairs.size(); ++k) {
     const Pair& pair = selected.pairs[k];
     if (is_absent(state, pair.i) || is_absent(state, pair.j)) continue;

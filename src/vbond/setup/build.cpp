@@ -197,21 +197,34 @@ void check_overlaps(const Case& c, const Built& built, const State& state, Probl
   constexpr double most = 0.5;  // of the smaller radius, as for walls
   const auto later = [](const BondSpec& b) { return b.when != BondTime::start; };
   if (std::any_of(c.bonds.begin(), c.bonds.end(), later)) return;
-  std::set<std::tuple<ParticleId, ParticleId, Image>> bonded;  // seen from either end
-  for (const Bond& b : state.bonds)
-    bonded.insert({b.i, b.j, b.image_j}), bonded.insert({b.j, b.i, -b.image_j});
   const PerParticle<double>& R = built.model.radius;
+  struct Deep {
+    ParticleId i, j;
+    Image of_j;
+    double part;
+    auto pair() const { return std::tuple(i, j, of_j); }
+  };
+  std::vector<Deep> deep;
+  for_touching_pairs(built.model, state, [&](ParticleId i, ParticleId j, const Image& n, double overlap) {
+    const double part = overlap / std::min(R[i], R[j]);
+    if (part > most * (1.0 + 1e-9)) deep.push_back({i, j, n, part});
+  });
+  if (deep.empty()) return;
+  std::set<std::tuple<ParticleId, ParticleId, Image>> pairs, bonded;
+  for (const Deep& d : deep) pairs.insert(d.pair());
+  for (const Bond& b : state.bonds)  // seen from either end
+    for (const auto& pair : {std::tuple(b.i, b.j, b.image_j), std::tuple(b.j, b.i, -b.image_j)})
+      if (pairs.count(pair) > 0) bonded.insert(pair);
   struct {
     double part = 0;
     ParticleId i, j;
     std::size_t count = 0;
   } worst;
-  for_touching_pairs(built.model, state, [&](ParticleId i, ParticleId j, const Image& n, double overlap) {
-    const double part = overlap / std::min(R[i], R[j]);
-    if (part <= most * (1.0 + 1e-9) || bonded.count({i, j, n}) > 0) return;
+  for (const Deep& d : deep) {
+    if (bonded.count(d.pair()) > 0) continue;
     ++worst.count;
-    if (part > worst.part) worst.part = part, worst.i = i, worst.j = j;
-  });
+    if (d.part > worst.part) worst.part = d.part, worst.i = d.i, worst.j = d.j;
+  }
   if (worst.count == 0) return;
   problems.add(
       c.specimens[built.model.specimen[worst.j]].place,
@@ -225,7 +238,9 @@ void check_overlaps(const Case& c, const Built& built, const State& state, Probl
 /// 2 pi sqrt(m / c_A); 0 if there is none, and then no time may be given in it.
 double natural_time(const Case& c, const Built& built, Problems& problems) {
   const double two_pi = 2.0 * std::numbers::pi;
-  const auto c_A = first_c_A(c, built.model, with_bonds_to_come(built.model, built.state));
+  const auto c_A = built.model.sources.empty()
+                       ? first_c_A(c, built.model, built.state)
+                       : first_c_A(c, built.model, with_bonds_to_come(built.model, built.state));
   if (!c_A || !(*c_A > 0.0)) return c.units == UnitSystem::reduced ? two_pi : 0.0;
   const double m = built.model.mass[ParticleId{0}], T_0 = two_pi * std::sqrt(m / *c_A);
   constexpr double largest = 1e60;  // as of the numbers of a case

@@ -145,6 +145,16 @@ struct Stored<std::array<double, N>> {
 };
 
 template <>
+struct Stored<KeptCoefficients> : Stored<Coefficients> {
+  static void put(const KeptCoefficients& x, double* to) { Stored<Coefficients>::put(x, to); }
+  static void take(const double* from, KeptCoefficients& x) {
+    Coefficients all;
+    Stored<Coefficients>::take(from, all);
+    x = all;
+  }
+};
+
+template <>
 struct Stored<Losses> : Stored<decltype(Losses::of)> {
   static void put(const Losses& x, double* to) { Stored<decltype(Losses::of)>::put(x.of, to); }
   static void take(const double* from, Losses& x) { Stored<decltype(Losses::of)>::take(from, x.of); }

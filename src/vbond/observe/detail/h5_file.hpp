@@ -17,6 +17,7 @@
 #include "vbond/core/error.hpp"
 #include "vbond/model/units.hpp"
 #include "vbond/observe/detail/h5.hpp"
+#include "vbond/observe/detail/h5_stream.hpp"
 #include "vbond/observe/seal.hpp"
 
 /// A checkpoint's HDF5 file as it is written and read, data set by data set.
@@ -31,17 +32,19 @@ struct DataSet {
 
 // ---- writing ------------------------------------------------------------------------------------------
 
-/// Lays the file out in memory: HDF5 then has nothing to do with the disk, whose errors it survives badly.
-/// (With a full disk H5Fclose fails and leaves a file half closed, on which HDF5's exit handler crashes.)
+/// Writes the file piece by piece: it is never in memory as a whole. Throws IoError.
 class H5Writer {
  public:
-  explicit H5Writer(UnitSystem units)
+  /// The file is there already, and empty.
+  H5Writer(const std::filesystem::path& path, UnitSystem units)
       : units_(units),
-        file_(create()),
+        stream_(path),
+        file_(create(stream_)),
         make_groups_(H5Pcreate(H5P_LINK_CREATE), H5Pclose),
         no_times_(H5Pcreate(H5P_DATASET_CREATE), H5Pclose) {
     must(H5Pset_create_intermediate_group(make_groups_.get(), 1));
     must(H5Pset_obj_track_times(no_times_.get(), false));  // the same state gives the same bytes
+    must(H5Pset_fill_time(no_times_.get(), H5D_FILL_TIME_NEVER));
   }
 
   template <class T>
@@ -50,53 +53,61 @@ class H5Writer {
     Stored<T>::put(value, numbers.data());
     const hsize_t size = numbers.size();
     const H5Handle space(size > 1 ? H5Screate_simple(1, &size, nullptr) : H5Screate(H5S_SCALAR), H5Sclose);
-    write(set, space, numbers.data());
+    const H5Handle data = make<typename Stored<T>::Number>(set, space);
+    must(H5Dwrite(data.get(), file_type<typename Stored<T>::Number>(), H5S_ALL, H5S_ALL, H5P_DEFAULT,
+                  numbers.data()));
   }
 
   /// member: a pointer to a member of the rows, or what gives a value of one; its numbers are a column.
   template <class Rows, class Member>
   void of_each(const DataSet& set, const Rows& rows, Member member) {
     using T = std::remove_cvref_t<std::invoke_result_t<Member, decltype(*rows.begin())>>;
+    using Number = typename Stored<T>::Number;
     constexpr std::size_t count = Stored<T>::count;
-    std::vector<typename Stored<T>::Number> numbers(rows.size() * count);
-    std::size_t at = 0;
-    for (const auto& row : rows) Stored<T>::put(std::invoke(member, row), &numbers[at]), at += count;
+    constexpr int dimensions = count > 1 ? 2 : 1;
     const std::array<hsize_t, 2> size{rows.size(), count};
-    const H5Handle space(H5Screate_simple(count > 1 ? 2 : 1, size.data(), nullptr), H5Sclose);
-    write(set, space, numbers.data());
+    const H5Handle space(H5Screate_simple(dimensions, size.data(), nullptr), H5Sclose);
+    const H5Handle data = make<Number>(set, space);
+    std::vector<Number> numbers(std::min(rows.size(), rows_at_once) * count);
+    auto row = rows.begin();
+    for (std::size_t first = 0; first < rows.size(); first += rows_at_once) {
+      const std::array<hsize_t, 2> from{first, 0}, piece{std::min(rows_at_once, rows.size() - first), count};
+      for (std::size_t k = 0; k < piece[0]; ++k, ++row)
+        Stored<T>::put(std::invoke(member, *row), &numbers[k * count]);
+      const H5Handle here(H5Screate_simple(dimensions, piece.data(), nullptr), H5Sclose);
+      must(H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, from.data(), nullptr, piece.data(), nullptr));
+      must(H5Dwrite(data.get(), file_type<Number>(), here.get(), space.get(), H5P_DEFAULT, numbers.data()));
+    }
   }
 
-  /// All bytes of the file, with room for the seal in front; they live as long as the writer.
-  std::string_view bytes() {
-    must(H5Fflush(file_.get(), H5F_SCOPE_GLOBAL));
-    void** memory = nullptr;
-    must(H5Fget_vfd_handle(file_.get(), H5P_DEFAULT, reinterpret_cast<void**>(&memory)));
-    const ssize_t size = H5Fget_file_image(file_.get(), nullptr, 0);  // without the room for the seal
-    must(size);
-    return {static_cast<const char*>(*memory), seal_size + static_cast<std::size_t>(size)};
+  /// All is in the file, with room for the seal in front. Nothing may be written afterwards.
+  void finish() {
+    const bool closed = file_.reset();
+    stream_.require_written();
+    if (!closed) must(-1);
   }
 
  private:
-  static H5Handle create() {
-    constexpr std::size_t grows_by = std::size_t{1} << 20;
+  static constexpr std::size_t rows_at_once = std::size_t{1} << 16;
+
+  static H5Handle create(const H5Stream& stream) {
     const H5Handle room_for_seal(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
     must(H5Pset_userblock(room_for_seal.get(), seal_size));
-    const H5Handle in_memory(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-    must(H5Pset_fapl_core(in_memory.get(), grows_by, false));
-    // HDF5 looks for a file of this name, though it neither reads nor makes it: there is none in a device
-    H5Handle file(H5Fcreate("/dev/null/checkpoint", H5F_ACC_TRUNC, room_for_seal.get(), in_memory.get()),
+    H5Handle file(H5Fcreate("checkpoint", H5F_ACC_TRUNC, room_for_seal.get(), stream.access().get()),
                   H5Fclose);
     must(file.get());
     return file;
   }
+  /// An empty data set with its attributes.
   template <class N>
-  void write(const DataSet& of, const H5Handle& space, const N* numbers) {
-    const H5Handle set(H5Dcreate2(file_.get(), of.path.c_str(), file_type<N>(), space.get(),
-                                  make_groups_.get(), no_times_.get(), H5P_DEFAULT),
-                       H5Dclose);
-    must(H5Dwrite(set.get(), file_type<N>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers));
+  H5Handle make(const DataSet& of, const H5Handle& space) {
+    H5Handle set(H5Dcreate2(file_.get(), of.path.c_str(), file_type<N>(), space.get(), make_groups_.get(),
+                            no_times_.get(), H5P_DEFAULT),
+                 H5Dclose);
+    must(set.get());
     write_text(set, "unit", of.unit.in(units_));
     write_text(set, "meaning", of.meaning);
+    return set;
   }
   static void write_text(const H5Handle& set, const char* name, const char* text) {
     const H5Handle type(H5Tcopy(H5T_C_S1), H5Tclose), space(H5Screate(H5S_SCALAR), H5Sclose);
@@ -107,10 +118,11 @@ class H5Writer {
     must(H5Awrite(attribute.get(), type.get(), text));
   }
   static void must(std::int64_t result) {
-    if (result < 0) throw IoError("HDF5 could not lay it out in memory; is there enough of it?");
+    if (result < 0) throw IoError("HDF5 could not lay it out; is there enough memory?");
   }
 
   UnitSystem units_;
+  H5Stream stream_;
   H5Handle file_, make_groups_, no_times_;
 };
 
@@ -142,7 +154,7 @@ class H5Reader {
     constexpr std::size_t count = Stored<T>::count;
     using Number = typename Stored<T>::Number;
     std::size_t width = count;
-    if constexpr (requires(T x) { x.max_size(); })
+    if constexpr (requires(T x) { x.max_size(); } || std::is_same_v<T, KeptCoefficients>)
       if (const std::vector<hsize_t> size = size_of(open(path)); size.size() == 2 && size[1] > 0)
         width = std::min<std::size_t>(count, size[1]);
     std::vector<Number> numbers(column.size() * width);

@@ -70,6 +70,12 @@ void write_column(H5Writer& file, const DataSet& set, const Rows& rows, const Bo
   file.of_each(set, numbers, std::identity{});
 }
 
+/// A frame in the body of j is in files also where it is that of i.
+template <class Rows>
+void write_column(H5Writer& file, const DataSet& set, const Rows& rows, Boxed<Quatd> Bond::* /*frame_j*/) {
+  file.of_each(set, rows, [](const Bond& b) { return frame_j(b); });
+}
+
 template <class Rows, class Row, class Value>
 void read_column(H5Reader& file, const std::string& path, KnownLaws, Rows& rows, Value Row::*member) {
   file.of_each(path, rows, member);
@@ -99,6 +105,14 @@ void read_column(H5Reader& file, const std::string& path, KnownLaws, Rows& rows,
     rules.push_back(&kept(*read));
   }
   give_numbered<std::uint32_t>(file, path, rules, rows, member);
+}
+/// After those in the body of i.
+template <class Rows>
+void read_column(H5Reader& file, const std::string& path, KnownLaws, Rows& rows,
+                 Boxed<Quatd> Bond::* /*frame_j*/) {
+  std::vector<Quatd> frames(rows.size());
+  file.of_each(path, frames, std::identity{});
+  for (std::size_t k = 0; k < frames.size(); ++k) set_frames(rows[k], rows[k].frame_i, frames[k]);
 }
 
 }  // namespace vbond

@@ -35,7 +35,8 @@ void MotionHeat::begin_stage() {
   }
   if (on_.bonds.remembers()) on_.host.arrange_bonds();
   on_.host.evaluate_loads();
-  const double flowed = dissipated_by_flow(s) - flowed_before;
+  // all parts know what all bonds have lost; the energies are those of this one
+  const double flowed = on_.exchange.leads() ? dissipated_by_flow(s) - flowed_before : 0.0;
   on_.books.dissipated += flowed;
   on_.books.work_supports += on_.host.potential_energy() - U_before + flowed;
 }

@@ -75,13 +75,17 @@ void MotionWalls::before_stage(bool run_begins) {
   room_ = 0.0;
   refresh(std::numeric_limits<double>::infinity());
   double work = 0.0;
+  std::vector<double> work_of(walls_.size(), 0.0);  // what a wall has done all parts know: the first adds it
+  for (std::size_t w = 0; w < walls_.size() && on_.exchange.leads(); ++w) work_of[w] = walls_[w].work;
   for (OfBlock& block : blocks_)
     for (const Near& near : block.near)
       if (changes[near.wall] != 0 && !run_begins) {
         const double U = wants_off(near.wall) ? -energy(near) : energy(near);
-        walls_[near.wall].work += U;
+        work_of[near.wall] += U;
         work += U;
       }
+  on_.exchange.sum(work_of);
+  for (std::size_t w = 0; w < walls_.size(); ++w) walls_[w].work = work_of[w];
   for (std::size_t w = 0; w < walls_.size(); ++w) walls_[w].off = wants_off(w) ? 1 : 0;
   for (OfBlock& block : blocks_)
     std::erase_if(block.near, [this](const Near& near) { return walls_[near.wall].off != 0; });

@@ -1,0 +1,39 @@
+#pragma once
+#include <memory>
+
+namespace vbond {
+
+/// A value that few objects of a kind have: the others have room for a pointer alone. Copied with its object.
+template <class T>
+class Boxed {
+ public:
+  Boxed() = default;
+  Boxed(const Boxed& o) : value_(o.value_ ? std::make_unique<T>(*o.value_) : nullptr) {}
+  Boxed(Boxed&&) noexcept = default;
+  Boxed& operator=(const Boxed& o) {
+    if (!o.value_)
+      value_.reset();
+    else if (value_)
+      *value_ = *o.value_;
+    else
+      value_ = std::make_unique<T>(*o.value_);
+    return *this;
+  }
+  Boxed& operator=(Boxed&&) noexcept = default;
+  ~Boxed() = default;
+
+  explicit operator bool() const { return value_ != nullptr; }
+  const T& operator*() const { return *value_; }
+  void set(const T& value) { *this = Boxed(value); }
+  void reset() { value_.reset(); }
+
+  friend bool operator==(const Boxed& a, const Boxed& b) {
+    return a.value_ && b.value_ ? *a.value_ == *b.value_ : a.value_ == b.value_;
+  }
+
+ private:
+  explicit Boxed(const T& value) : value_(std::make_unique<T>(value)) {}
+  std::unique_ptr<T> value_;
+};
+
+}  // namespace vbond
