@@ -166,8 +166,7 @@ const char* component_name(int j, int k) {
 MadeTest test_between_ends(const Body& body, const Request& request) {
   MadeTest test;
   test.request = request;
-  const bool shear = request.kind == Kind::shear;
-  const bool grip = shear || request.ends == Ends::grip;
+  const bool shear = request.kind == Kind::shear, grip = shear || request.ends == Ends::grip;
   test.section = section_of(body, request);
   const Side lower = side_of(body, test.lower, body.axis, false, request),
              upper = side_of(body, test.upper, body.axis, true, request);
@@ -189,8 +188,7 @@ MadeTest test_between_ends(const Body& body, const Request& request) {
   else
     for (const int k : {body.axis, body.across, body.third})
       test.gauge->columns.push_back(component_name(k, k));
-  const bool confined = request.pressure > 0.0;
-  if (confined) test.confinement = confinement_of(body, *test.section, request.pressure);
+  if (request.pressure > 0.0) test.confinement = confinement_of(body, *test.section, request.pressure);
   set_progress(body, test);
 
   TestText text(body);
@@ -201,7 +199,7 @@ MadeTest test_between_ends(const Body& body, const Request& request) {
   const std::vector<int> fix = grip ? std::vector<int>{} : std::vector<int>{body.axis};
   text.hold({test.lower, fix, {}});
   text.hold({test.upper, fix, along(test.direction, test.sign * test.length),
-             confined ? Confining::guided : Confining::as_ever});
+             test.confinement ? Confining::guided : Confining::as_ever});
   if (!grip) {
     std::vector<PointHold> held = held_along(lower.particles, body.axis);
     const std::vector<PointHold> more = held_along(upper.particles, body.axis);
@@ -218,8 +216,7 @@ MadeTest test_between_ends(const Body& body, const Request& request) {
   return test;
 }
 
-// ---- bending
-// ------------------------------------------------------------------------------------------------
+// ---- bending ----
 
 /// Of the particles of a side, those in the row across the beam that is nearest to a place along it.
 struct RowOfSide {
@@ -255,9 +252,8 @@ void tell_notch(const Notch& notch, const Body& body, MadeTest& test) {
       notch.depth, notch.left_out, notch.stay, (notch.height - notch.depth) / body.spacing));
   if (body.model.contact.law != ContactLaw::none && body.model.contact.pairs == ContactPairs::unbonded)
     test.notes.push_back(
-        "particles on both faces of the notch touch as unbonded ones do: where they overlap they push from "
-        "the "
-        "start");
+        "particles on both faces of the notch touch as unbonded ones do: where they overlap they push "
+        "from the start");
 }
 
 MadeTest bending(const Body& body, const Request& request) {
@@ -338,8 +334,7 @@ MadeTest bending(const Body& body, const Request& request) {
   return test;
 }
 
-// ---- the disc
-// ------------------------------------------------------------------------------------------------
+// ---- the disc ----
 
 MadeTest disc(const Body& body, const Request& request) {
   MadeTest test;
@@ -395,8 +390,7 @@ MadeTest make_test(const Body& body, const Request& request) {
   if (body.beyond != 0.0)
     test.notes.push_back(fmt::format(
         "all bonds are {} than the radii of their particles: faces of the body are taken {:.6g} {} than "
-        "radii "
-        "reach, half of the {}",
+        "radii reach, half of the {}",
         body.beyond > 0.0 ? "longer" : "shorter", std::abs(body.beyond),
         body.beyond > 0.0 ? "farther out" : "farther in", body.beyond > 0.0 ? "least gap" : "least overlap"));
   if (test.section && !test.section->note.empty()) test.notes.push_back(test.section->note);
