@@ -146,13 +146,14 @@ TEST(WallDrives, MayNotTurnAWallAlongItsServo) {
   const std::string lid =
       "[[wall]]\nname = \"lid\"\nshape = \"plane\"\npoint = [0, 0, 3]\nnormal = [0, 0, -1]\n";
   const auto drive = [&](const std::string& pivot, const std::string& axis) {
-    return walls_case(lid, "walls = [{ wall = \"lid\", angular_velocity = " + axis + ", pivot = " + pivot +
+    return walls_case(lid, "walls = [{ wall = \"lid\", angular_velocity = " + axis + pivot +
                                ", servo = { direction = [0, 0, -1], force = 1, mass = 1 } }]\n");
   };
-  expect_refused(drive("[1, 0, 3]", "[0, 1, 0]"),
-                 "case.toml:", {"turns about a pivot that is not its centre"});
-  EXPECT_EQ(text_of_error(drive("[0, 0, 3]", "[0, 1, 0]")), "");
-  EXPECT_EQ(text_of_error(drive("[1, 0, 3]", "[0, 0, 1]")), "");
+  for (const char* pivot : {", pivot = [1, 0, 3]", ", pivot = [0, 0, 3]"}) {
+    expect_refused(drive(pivot, "[0, 1, 0]"), "case.toml:", {"turns about a pivot that is fixed in space"});
+    EXPECT_EQ(text_of_error(drive(pivot, "[0, 0, 1]")), "");
+  }
+  EXPECT_EQ(text_of_error(drive("", "[0, 1, 0]")), "");
 }
 
 TEST(Contacts, HaveANumberForEachForm) {

@@ -15,11 +15,11 @@ namespace vbond {
 
 void Simulation::keep_records() {
   EnergyBooks& books = booked_;
-  const double brought_in = books.brought_in();
+  const double brought_in = books.brought_in();  // below zero where supports hold back what sticks
   if (is_part_)
     brought_in_.push_back(brought_in);
   else
-    books.largest = std::max(books.largest, brought_in);
+    books.largest = std::max(books.largest, std::abs(brought_in));
 
   if (stage_.stops.peak) {
     PeakRecord& peak = state_.peak;

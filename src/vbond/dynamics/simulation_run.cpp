@@ -1,6 +1,7 @@
 // Steps until a stage ends, those who look on, and what several processes tell each other meanwhile.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <utility>
@@ -78,7 +79,7 @@ bool Simulation::meet(bool interrupted) {
 void Simulation::fold_brought_in() const {
   exchange_.sum(brought_in_);
   double& largest = booked_.largest;
-  for (const double energy : brought_in_) largest = std::max(largest, energy);
+  for (const double energy : brought_in_) largest = std::max(largest, std::abs(energy));
   brought_in_.clear();
   exchange_.max({&largest, 1});
 }

@@ -45,7 +45,7 @@ struct EnergyBooks {
   double work_supports = 0;  ///< by supports, prescribed velocities, imposed strain, changes of temperature
   double inserted = 0;       ///< of bodies as they came in
   double removed = 0;        ///< that went with particles that were taken out
-  double largest = 0;        ///< largest at_start + work + inserted so far: the scale of the balance error
+  double largest = 0;        ///< largest |at_start + work + inserted| so far: the scale of the balance error
   /// `dissipated` by cause. What bonds lose by flow their memory counts: here is, as a negative number, what
   /// they had lost when the books began. See losses_of().
   Losses lost{};

@@ -148,7 +148,7 @@ void check_displacement(Table& t, const WallDriveSpec& d) {
 void describe(Table& t, WallDriveSpec& d, std::optional<StageKind> kind) {
   t.locate(d.place);
   t.key("wall", d.wall, wall_name, required, "which wall; those that are not named stand still");
-  t.key("pivot", d.pivot, vector_of(length), default_is("moments_about of the wall"),
+  t.key("pivot", d.pivot, vector_of(length), default_is("moments_about, which goes with the wall"),
         "point about which it turns: in dynamics fixed in space, in a static stage where it is at load "
         "factor 0, from where it goes along with displacement");
   t.key("off", d.off, FlagCodec{}, optional,

@@ -103,7 +103,8 @@ void MotionWalls::write(State& s) const {
                    [](const WallMemory& a, const WallMemory& b) { return place_of(a) < place_of(b); });
 }
 
-/// The mean velocity from t to t + dt of the stage, without a servo's; dt = 0: that at t.
+/// The mean velocity from t to t + dt of the stage, without a servo's; dt = 0: that at t. Without a pivot the
+/// wall turns about its centre, wherever that is.
 void MotionWalls::prescribe(std::size_t w, double t, double dt) {
   WallState& now = walls_[w];
   now.velocity = now.angular_velocity = {};
@@ -112,9 +113,14 @@ void MotionWalls::prescribe(std::size_t w, double t, double dt) {
   const double factor = d.factor(t + 0.5 * dt);
   now.velocity = factor * d.velocity;
   now.angular_velocity = factor * d.angular_velocity;
-  now.velocity += cross(now.angular_velocity, model_.walls[w].centre + now.displacement - pivot_of(w));
+  const double rate = 2.0 * std::numbers::pi * d.frequency;
+  if (d.pivot) {  // what the wall has swung by is not turned along
+    const Vec3d arm = model_.walls[w].centre + now.displacement - std::sin(rate * t) * d.amplitude - *d.pivot;
+    // on the circle, not on its tangent
+    now.velocity += dt > 0.0 ? (1.0 / dt) * swing(rotation_of(dt * now.angular_velocity), arm)
+                             : cross(now.angular_velocity, arm);
+  }
   if (d.frequency > 0.0) {
-    const double rate = 2.0 * std::numbers::pi * d.frequency;
     const double mean =
         dt > 0.0 ? (std::sin(rate * (t + dt)) - std::sin(rate * t)) / dt : rate * std::cos(rate * t);
     now.velocity += mean * d.amplitude;
@@ -143,13 +149,7 @@ void MotionWalls::begin_step() {
     set_velocity(w, on_.state.clock.stage_step, dt);
     WallState& now = walls_[w];
     now.displacement += dt * now.velocity;
-    if (now.angular_velocity != Vec3d{}) {
-      const Quatd turn = rotation_of(dt * now.angular_velocity);
-      const Vec3d from_pivot = model_.walls[w].centre + now.displacement - dt * now.velocity - pivot_of(w);
-      // on the circle about the pivot, not on its tangent
-      now.displacement += swing(turn, from_pivot) - dt * cross(now.angular_velocity, from_pivot);
-      now.q = renormalised(turn * now.q);
-    }
+    if (now.angular_velocity != Vec3d{}) now.q = renormalised(rotation_of(dt * now.angular_velocity) * now.q);
     room_ -= dt * (norm(now.velocity) + extent_ * norm(now.angular_velocity));
   }
 }

@@ -113,7 +113,6 @@ class MotionWalls final : public MotionTerm {
   const TouchNumbers<double>& numbers(const Near& near) const;
   void prescribe(std::size_t wall, double t, double dt);
   void set_velocity(std::size_t wall, std::int64_t stage_step, double dt);
-  Vec3d pivot_of(std::size_t wall) const { return drive_[wall]->pivot.value_or(model_.walls[wall].centre); }
   bool has_servo(std::size_t wall) const { return drive_[wall] != nullptr && drive_[wall]->servo; }
   std::vector<OnWall> sums() const;
   void look_at_servo(std::size_t wall, const Slopes& sum, double dt);

@@ -9,22 +9,20 @@
 namespace vbond {
 namespace {
 
-/// Turning about a pivot beside the wall's centre moves the centre: not along a servo, which has its own say.
+/// Turning about a pivot moves the wall's centre, as soon as a servo has driven it away from there: not along
+/// the servo, which has its own say.
 void check_servo_turns(const WallDriveSpec& d, const StageResolver& resolver, const WallDrive& drive) {
   const Vec3d axis = d.angular_velocity, e = normalised(d.servo->direction);
-  if (axis == Vec3d{}) return;
-  if (!drive.pivot) return;
-  const Vec3d arm = cross(axis, resolver.model.walls[drive.index].centre - *drive.pivot);
   constexpr double rounding = 1e-9;
-  if (norm(arm) <= rounding * norm(axis) * norm(*drive.pivot) ||
-      norm(cross(axis, e)) <= rounding * norm(axis))
-    return;
-  resolver.problems.add(d.place,
-                        fmt::format("wall \"{}\" turns about a pivot that is not its centre, across the "
-                                    "direction of its servo",
-                                    d.wall.value),
-                        "the rotation would move it along servo.direction, in which the servo alone does",
-                        "let the pivot be moments_about of the wall, or turn about servo.direction");
+  if (!drive.pivot || norm(cross(axis, e)) <= rounding * norm(axis)) return;
+  resolver.problems.add(
+      d.place,
+      fmt::format("wall \"{}\" turns about a pivot that is fixed in space, across the "
+                  "direction of its servo",
+                  d.wall.value),
+      "the rotation would move it along servo.direction, in which the servo alone does",
+      "leave the pivot out, so that it turns about its moments_about wherever the servo takes it, "
+      "or turn about servo.direction");
 }
 
 /// The place in Model::walls of the wall of an entry; nothing if there is none.

@@ -91,7 +91,7 @@ struct WallDrive {
   std::size_t index = 0;   ///< in Model::walls
   Vec3d velocity;          ///< of the centre, at rest of the pivot  [length/time]; at rest [length]
   Vec3d angular_velocity;  ///< about `pivot`, in motion fixed in space  [rad/time]; at rest [rad]
-  /// As the stage begins; absent: the wall's centre, in motion that of the start of the run  [length].
+  /// As the stage begins; absent: the wall's centre, wherever it is  [length].
   std::optional<Vec3d> pivot = {};
   TimeFunction factor = {};  ///< of velocity and angular velocity
   Vec3d amplitude = {};      ///< oscillation: displacement amplitude sin(2 pi frequency t)  [length]
