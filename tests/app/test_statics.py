@@ -289,3 +289,62 @@ supports = [{{group = "lower", {CLAMP}}}, {{group = "upper", {CLAMP}, displaceme
 def test_nothing_holds_the_body():  # said at once, with nothing computed
     write("loose.toml", TWIST, ("^supports.*", ""))
     vbond("run loose.toml", status=1, err="can move freely")
+
+
+WEAK = f"""specimen = [{{kind = "rod", particles = 11, radius = 0.4, mass = 1.0, inertia = 0.064}}]
+[[bonds]]
+distance = 1.1
+theory = "bernoulli-euler"
+E = 31.830988618379067
+nu = 0.2
+section = {{shape = "circle", diameter = 0.2}}
+strength = {{criterion = "stress", tension = 1e-3, shear = 1e-3, compression = 1e-3}}
+[[stage]]
+name = "mo"
+kind = "modes"
+count = 2
+{HELD}
+loads = [{{group = "last", force = [1e-3, 0, 0]}}]
+[[stage]]
+name = "bu"
+kind = "buckling"
+count = 1
+{HELD}
+loads = [{{group = "last", force = [-1, 0, 0]}}]
+[[stage]]
+name = "eq"
+kind = "equilibrium"
+{HELD}
+loads = [{{group = "last", force = [1e-3, 0, 0]}}]
+[[stage]]
+name = "pa"
+kind = "path"
+stop = {{load_factor = {{above = 5e-5}}}}
+{HELD}
+loads = [{{group = "last", force = [-1, 0, 0]}}]
+"""
+
+
+def test_modes_and_critical_loads_past_the_strength_are_told(work):
+    write("weak.toml", WEAK)
+    said = vbond("run weak.toml -o weak").out
+    area = 3.14159265358979 * 0.1**2
+    of_modes = 1e-3 / area / 1e-3
+    modes, buckling = values("weak", "most_used_bond")[:2]
+    assert modes["utilisation"] == pytest.approx(of_modes, rel=1e-9) and modes["load_factor"] == 1
+    critical = values("weak", "critical_load_factors")[0][0]
+    assert buckling["utilisation"] == pytest.approx(critical / area / 1e-3, rel=1e-6) and buckling["utilisation"] > 1.9
+    assert 'stage "mo": load factor 1: bond 0 (particles 0, 1) is past its strength, at 31.83 of it' in said
+    assert said.count('stage "bu": load factor') == 1 and said.count("BEYOND STRENGTH") == 4
+    # each stage once, and no loads came on before the path
+    assert said.count("is past its strength") == 4 and "come on" not in said
+
+
+def test_modes_of_a_free_body_under_loads_say_what_is_meant(work):
+    write("free.toml", WEAK[:WEAK.index("[[stage]]")] + """[[stage]]
+kind = "modes"
+count = 2
+loads = [{group = "last", force = [1e-3, 0, 0]}]
+""")
+    vbond("run free.toml", status=1, err=["can move freely", "modes of a body that is free are about where it stands, without loads"],
+          no_err="takes free bodies")

@@ -409,6 +409,16 @@ TEST(WallsAtRest, GiveModesTheirStiffness) {
   EXPECT_NEAR(out.result.modes[0].omega2, 2 * k / m, 1e-12);
 }
 
+// Where a sphere just touches a wall its stiffness jumps: there are no modes.
+TEST(WallsAtRest, ThatJustTouchLeaveNoModes) {
+  for (const double at : {-0.5, -0.5 * (1 + 1e-15), -0.5 * (1 - 1e-15)}) {
+    const Specimen s = testing::sphere({0, 0, 0}, 0.5, 2.0, contact_of(ContactLaw::linear),
+                                       {plane({at, 0, 0}, {1, 0, 0}), plane({0.45, 0, 0}, {-1, 0, 0})});
+    const auto modes = testing::static_stage(StageKind::modes, {testing::fixed({ParticleId{0}}, no_spin)});
+    EXPECT_TRUE(contains(refused(s, modes), "just touch, to rounding")) << at;
+  }
+}
+
 // A rod is pushed against a wall that stands still, by a force that a path and a stage of fracture know.
 TEST(WallsAtRest, AreTheSameForEveryKindOfStage) {
   const auto end_of = [](StageKind kind, Seen& seen) {

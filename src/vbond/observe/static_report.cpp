@@ -169,8 +169,8 @@ std::string static_report(StageKind kind, const StaticResult& r, const std::stri
     case StageKind::dynamics: break;
     case StageKind::equilibrium: return text + stability(r);
     case StageKind::path: return text + special_points(r) + stability(r);
-    case StageKind::buckling: return text + critical_loads(r);
-    case StageKind::modes: return text + frequencies(r, time_unit);
+    case StageKind::buckling: return text + critical_loads(r) + strength(r);
+    case StageKind::modes: return text + frequencies(r, time_unit) + strength(r);
     case StageKind::fracture:
       return text + (r.fracture.reason.empty() ? "" : r.fracture.reason + '\n') + breaks(r.fracture);
   }

@@ -26,6 +26,9 @@ constexpr double first_bond_change = 0.1;
 constexpr double first_part = 0.5;
 /// Bonds longer or shorter than this times their length at rest are beyond any law.
 constexpr double longest_bond = 2.0, shortest_bond = 0.5;
+/// A bond within this part of the end of its law's range is at it: where torque or moment are largest the
+/// body has a critical point of its law, which is found to less.
+constexpr double at_the_end = 1e-6;
 
 double largest_proportional_force(const Model& model, const StaticStage& stage) {
   double largest = 0.0;
@@ -39,7 +42,8 @@ double largest_proportional_force(const Model& model, const StaticStage& stage) 
 }
 
 bool beyond_its_law(const Bond& b, const State& s) {
-  const BondShape shape = bond_shape(b, bond_pose(b, s));
+  BondShape shape = bond_shape(b, bond_pose(b, s));
+  shape.c_i -= at_the_end, shape.c_j -= at_the_end, shape.twist *= 1.0 + at_the_end;
   return bond_range(b, shape) != BondRange::good || shape.length > longest_bond * b.a ||
          shape.length < shortest_bond * b.a;
 }
@@ -135,6 +139,8 @@ void CriticalLoads::take_step() {
   const double limit = stage_.search_to;
   for (const CriticalPoint& c : leg->critical) {
     if (limit > 0.0 && c.load_factor > limit) return end("load factor", limit);
+    body_.restore(c.node.point.at);
+    if (any_bond_beyond_its_law(body_.state())) return end("bond range", c.load_factor);
     add(c);
     if (!wants_more()) return end("converged", c.load_factor);
     if (c.kind == PointKind::limit_point) {

@@ -417,11 +417,15 @@ std::optional<State> balance_of_constant_loads(const Model& model, const StaticS
     refuse_rigid_motions(body);
     body.relieve();
     StaticHooks quiet{{}, {}, hooks.interrupted};
+    const bool loaded = !constant.loads.empty() || constant.gravity != Vec3d{} ||
+                        std::any_of(constant.pressures.begin(), constant.pressures.end(),
+                                    [](const Pressure& p) { return p.pressure != 0.0; });
     if (hooks.tell)
-      quiet.tell = [&hooks](const std::string& text) {
-        hooks.tell("while the constant loads come on: " + text);
+      quiet.tell = [&hooks, loaded](const std::string& text) {
+        hooks.tell((loaded ? "while the constant loads come on: " : "while the body comes to rest: ") + text);
       };
-    StaticResult own;
+    StaticResult own;  // of strength the stage tells at its own points
+    own.most_used = BondUse{.utilisation = std::numeric_limits<double>::infinity()};
     LoadSteps(body, quiet, own).run();
     result.iterations += own.iterations;
     if (own.ended == "interrupted") return std::nullopt;

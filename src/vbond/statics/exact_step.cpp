@@ -8,6 +8,7 @@
 #include "vbond/physics/bond_step.hpp"
 #include "vbond/statics/detail/body.hpp"
 #include "vbond/statics/detail/eigen.hpp"
+#include "vbond/statics/detail/kinks.hpp"
 #include "vbond/statics/detail/mass_scaled.hpp"
 #include "vbond/statics/statics.hpp"
 
@@ -24,7 +25,9 @@ double exact_critical_step(const Model& model, const State& state, const std::ve
       at_rest.velocity = at_rest.angular_velocity = {}, at_rest.factor = {};
     }
   require_consistent("exact_critical_step", model, stage, state);
-  const StaticBody body(model, stage, state);
+  // particles that just touch, and bonds with two slopes, swing over to their stiffer side
+  const Model touching = with_what_just_touches(model, state);
+  const StaticBody body(touching, stage, with_stiffer_slopes(state));
   const double nothing_swings = std::numeric_limits<double>::infinity();
   if (body.unknowns().size() == 0) return nothing_swings;
   if (!std::isfinite(max_norm(body.tangent().diagonal())))

@@ -224,7 +224,7 @@ CellConstants::CellConstants(const Model& model, const State& given, const Homog
   refuse_free_bodies(model_, stage_, given);
   moved_ = !StaticBody(model_, stage_, given).rests_to_rounding();
   if (moved_) state_ = run_static_stage(model_, stage_, given, {}).state;
-  refuse_kinks(state_);
+  refuse_kinks(model_, state_);
   if (settings.derivatives) refuse_derivatives(model_, state_);
   stage_ = with_floating_held(model_, stage_, state_, {});
 }

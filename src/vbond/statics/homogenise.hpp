@@ -44,7 +44,7 @@ struct HomogeniseSettings {
 /// with its cell held: one factor of the tangent, and six solutions. Contacts repel as they do there, without
 /// friction, and bonds at a limit of yield or softening are as stiff as they are when unloaded. Velocities do
 /// not count. Throws std::invalid_argument if model or state have a mistake, the cell is open in some
-/// direction, there are walls, particles are absent, or bonds at rest have a kink there; with derivatives
+/// direction, there are walls, particles are absent, or bonds or contacts have a kink there; with derivatives
 /// also if bonds are strained, have flowed or stretch by a table, or particles touch. Throws NoEquilibrium if
 /// there is no balance, or by the direct solver if some particles can move at no cost (mechanisms): a part
 /// that nothing holds is left out, a mechanism is not.

@@ -312,7 +312,7 @@ HomogenisedBody homogenise_body(const Model& model, const State& given, const Bo
   State state = given;
   const bool moved = !StaticBody(model, held, given).rests_to_rounding();
   if (moved) state = run_static_stage(model, held, given, {}).state;
-  refuse_kinks(state);
+  refuse_kinks(model, state);
   BodySurface s = surface;
   if (moved) close_surface(state, s);
   check_closed(state, s);

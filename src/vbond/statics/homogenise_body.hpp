@@ -58,8 +58,8 @@ struct HomogenisedBody {
 /// factors of the tangent, and six solutions by each. by_displacement - by_traction has no negative
 /// eigenvalue: a surface that moves by e x has the mean strain e, and the loaded one has the least energy of
 /// all with it. Throws std::invalid_argument if model or state have a mistake, there is a cell, there are
-/// walls, particles are absent, areas are not those of a closed surface, or bonds at rest have a kink there.
-/// Throws NoEquilibrium if there is no balance, or particles can move at no cost.
+/// walls, particles are absent, areas are not those of a closed surface, or bonds or contacts have a kink
+/// there. Throws NoEquilibrium if there is no balance, or particles can move at no cost.
 HomogenisedBody homogenise_body(const Model& model, const State& state, const BodySurface& surface,
                                 const NewtonSettings& newton = {});
 

@@ -96,7 +96,7 @@ HomogenisedSheet homogenise_sheet(const Model& model, const State& state, const 
   const Model here = about_cell_of(model, state);
   StaticStage stage = stage_of_homogenising(newton);
   refuse_free_bodies(here, stage, state);
-  refuse_kinks(state);
+  refuse_kinks(here, state);
   refuse_strained(here, state);
   stage = with_floating_held(here, stage, state, {});
   HomogenisedSheet found;

@@ -44,8 +44,8 @@ struct HomogenisedSheet {
 /// repeats when it is shifted and turned: an image that is L away is turned by n x (k L), and moved by
 /// e L + z (k L) - (x.k L + L.k L/2) n, where the particle itself stands at (x, z). Transverse shear costs
 /// what it does in uniform bending. Throws std::invalid_argument if model or state have a mistake, the cell
-/// is another one, there are walls, particles are absent, bonds are strained or have a kink at rest, or
-/// particles touch that are not bonded. Throws NoEquilibrium if some particles can move at no cost.
+/// is another one, there are walls, particles are absent, bonds are strained, they or contacts have a kink
+/// there, or particles touch that are not bonded. Throws NoEquilibrium if some particles can move at no cost.
 HomogenisedSheet homogenise_sheet(const Model& model, const State& state, const NewtonSettings& newton = {});
 
 }  // namespace vbond

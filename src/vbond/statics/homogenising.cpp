@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "vbond/model/bond_sums.hpp"
+#include "vbond/statics/detail/kinks.hpp"
 
 namespace vbond {
 StaticStage stage_of_homogenising(const NewtonSettings& newton) {
@@ -38,17 +39,9 @@ bool is_at_rest(const State& s, BondId k) {
          rounding * b.law->stiffness(b).c_A * sq(b.a) + 16.0 * epsilon * angular_scale(b);
 }
 
-/// Bonds whose slopes in tension and compression differ have none at rest: rounding would choose one.
-void refuse_kinks(const State& s) {
-  for (const BondId k : s.bonds.ids()) {
-    const Stretch& stretch = s.bonds[k].rules->stretch;
-    require_material(
-        s.bonds[k].broken || stretch.form != StretchForm::two_slopes || stretch.compression == 1.0 ||
-            !is_at_rest(s, k),
-        fmt::format("bond {} is at rest, where its slopes in tension and compression meet: the body has no "
-                    "single stiffness there; strain it to either side, or take one slope",
-                    k.value));
-  }
+void refuse_kinks(const Model& model, const State& s) {
+  if (const std::optional<Kink> kink = kink_at(model, s))
+    require_material(false, kink->what + "; " + kink->way_out);
 }
 
 DenseMatrix solved_with_tangent(TangentSolver& solver, const StaticBody& body, const DenseMatrix& columns) {

@@ -65,7 +65,10 @@ void refuse_rigid_motions(const StaticBody& body) {
   throw NoEquilibrium(
       body.stage().name, text,
       "a support may be missing; a motion that no load drives can be held on one particle, such "
-      "as the spin of a rod along x by fix = [\"rx\"]; kind = \"modes\" takes free bodies as they are");
+      "as the spin of a rod along x by fix = [\"rx\"]; " +
+          std::string(body.stage().kind == StageKind::modes
+                          ? "modes of a body that is free are about where it stands, without loads and stress"
+                          : "kind = \"modes\" takes free bodies that no load acts on"));
 }
 
 std::string first_of(const std::vector<std::string>& names) {
@@ -183,9 +186,11 @@ void refuse_pressure_without_energy(const StaticBody& body) {
 
 namespace {
 
-/// A balance beyond the strength of a bond must not pass for one that a real body could have.
+/// A balance beyond the strength of a bond must not pass for one that a real body could have. Modes are those
+/// under all loads of their stage.
 void watch_strength(const StaticBody& body, const StaticHooks& hooks, StaticResult& result) {
-  const std::optional<BondUse> here = most_used_bond(body.state(), body.load_factor());
+  const double load_factor = body.stage().kind == StageKind::modes ? 1.0 : body.load_factor();
+  const std::optional<BondUse> here = most_used_bond(body.state(), load_factor);
   if (!here || (result.most_used && here->utilisation <= result.most_used->utilisation)) return;
   if (here->utilisation >= 1.0 && !(result.most_used && result.most_used->utilisation >= 1.0))
     tell(body.stage(), hooks,
@@ -209,8 +214,7 @@ void report_point(StaticBody& body, PointKind kind, std::optional<int> unstable,
   ++body.clock().stage_step;
   ++result.points;
   result.load_factor = body.load_factor();
-  if (body.stage().kind == StageKind::equilibrium || body.stage().kind == StageKind::path)
-    watch_strength(body, hooks, result);
+  if (body.stage().kind != StageKind::fracture) watch_strength(body, hooks, result);
   if (hooks.point)
     hooks.point({body.state(), body.load_factor(), kind, unstable, body.energies(),
                  [&body](const std::vector<ParticleId>& particles) { return body.reaction(particles); },

@@ -15,6 +15,7 @@
 #include "vbond/statics/detail/dense.hpp"
 #include "vbond/statics/detail/eigen.hpp"
 #include "vbond/statics/detail/kinds.hpp"
+#include "vbond/statics/detail/kinks.hpp"
 #include "vbond/statics/detail/mass_scaled.hpp"
 #include "vbond/statics/detail/newton.hpp"
 #include "vbond/statics/detail/pulse.hpp"
@@ -34,6 +35,16 @@ StaticStage under_full_loads(StaticStage stage) {
   for (Pressure& p : stage.pressures) p.constant = true;
   stage.constant_gravity = true;
   return stage;
+}
+
+/// There are no normal modes about a kink: a swing is stiffer to one side than to the other.
+void refuse_kinks(const StaticBody& body) {
+  const auto moves = [&body](ParticleId p) {
+    return body.unknowns().of(p, 0) != Unknowns::held || body.unknowns().of(p, 1) != Unknowns::held ||
+           body.unknowns().of(p, 2) != Unknowns::held;
+  };
+  if (const std::optional<Kink> kink = kink_at(body.model(), body.state(), moves))
+    throw NoEquilibrium(body.stage().name, kink->what, kink->way_out);
 }
 
 /// What rounding and the last bit out of balance may make of the tangent times a rigid motion of length 1.
@@ -249,6 +260,7 @@ StaticOutcome find_modes(const Model& model, const StaticStage& stage, State sta
   if (!balanced) return interrupted_outcome(std::move(result), std::move(state));
   StaticBody body(model, loaded, std::move(*balanced));
   refuse_pressure_without_energy(body);
+  refuse_kinks(body);
   if (body.has_moment_part() && hooks.tell)
     hooks.tell(fmt::format(
         "stage \"{}\": {} no potential: frequencies are those of the symmetric part of the tangent",

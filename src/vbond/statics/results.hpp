@@ -174,7 +174,8 @@ struct StaticResult {
   std::vector<Wave> waves;  ///< modes, buckling: the wave vectors of the stage
   /// Modes, slowest first; rigid motions before all others. Those of each wave after each other.
   std::vector<NaturalMode> modes;
-  /// Equilibrium, path: the most that a bond has used of its strength at any point; absent: none can break.
+  /// But of fracture: the most that a bond has used of its strength at any point; absent: none can break. Of
+  /// modes at load factor 1, under all their loads.
   std::optional<BondUse> most_used;
   FractureResult fracture;  ///< fracture
   friend bool operator==(const StaticResult&, const StaticResult&) = default;

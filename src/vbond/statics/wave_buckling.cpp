@@ -157,7 +157,7 @@ class CriticalWaves {
     PathStep step = leg->step;
     const PathNode& last = limit ? limit->node : leg->end;
     for (const CriticalWave& c : critical_on(step, leg->start, last))
-      if (!add(c, step)) return end("load factor", stage_.search_to);
+      if (!add(c, step)) return;
     if (limit) {
       tell(stage_, hooks_,
            fmt::format("the path has a limit point at load factor {:.8g}: critical loads beyond it are not "
@@ -214,11 +214,12 @@ class CriticalWaves {
     return c.s;
   }
 
-  /// False: it lies beyond what is searched.
+  /// False: the search ends before it.
   bool add(const CriticalWave& c, PathStep& step) {
     if (!step.to(c.s).point) body_.restore(step.start().at);
     const double f = body_.load_factor();
-    if (stage_.search_to > 0.0 && f > stage_.search_to) return false;
+    if (stage_.search_to > 0.0 && f > stage_.search_to) return end("load factor", stage_.search_to), false;
+    if (any_bond_beyond_its_law(body_.state())) return end("bond range", f), false;
     CriticalLoad& found = result_.critical_loads.emplace_back();
     found.load_factor = f;
     found.wave = static_cast<int>(c.wave) + 1;

@@ -24,8 +24,8 @@ Model about_cell_of(const Model& model, const State& state);
 
 /// Throws std::invalid_argument if there are walls, or particles are absent: `homogenise: ...`.
 void refuse_what_is_no_material(const Model& model, const State& state);
-/// Throws std::invalid_argument for bonds at rest whose slopes in tension and compression differ.
-void refuse_kinks(const State& state);
+/// Throws std::invalid_argument where rounding would choose the stiffness: see kinks.hpp.
+void refuse_kinks(const Model& model, const State& state);
 /// To rounding: the energy of a bond is none.
 bool is_at_rest(const State& state, BondId k);
 

@@ -30,7 +30,8 @@ StaticOutcome follow_path(const Model& model, const StaticStage& stage, State st
 StaticOutcome find_critical_loads(const Model& model, const StaticStage& stage, State state,
                                   const StaticHooks& hooks);
 
-/// Whether a bond is bent, twisted, or longer or shorter than any law reaches.
+/// Whether a bond is bent, twisted, or longer or shorter than any law reaches, or just as much: a critical
+/// point there is the end of a law.
 bool any_bond_beyond_its_law(const State& state);
 
 // In modes.cpp:
