@@ -139,7 +139,8 @@ TEST(Kinks, OfLatticesAreRefusedByHomogeniseHoweverTheyAreTurned) {
 }
 
 TEST(Kinks, OfBondsWithTwoSlopesAreRefusedByModes) {
-  Specimen rod = testing::straight_rod(6, recipe());
+  Specimen rod = touching_rod({1, 0, 0}, {}, 0.0);
+  rod.model.contact = {};
   EXPECT_NEAR(highest_frequency(rod), axial_frequency(c_A), 1e-9);
   for (const double compression : {0.25, 25.0}) {
     const Specimen s = with_two_slopes(rod, compression);
@@ -177,24 +178,6 @@ TEST(Kinks, TakeTheStifferSideInTheExactStep) {
   }
   const Specimen soft = with_two_slopes(rod, 0.25);
   EXPECT_EQ(exact_critical_step(soft.model, soft.state, {}), exact_critical_step(rod.model, rod.state, {}));
-}
-
-/// The largest speed of six bonded particles after 400 steps, over that with which the first was pushed.
-double growth(const Specimen& at_rest, double share) {
-  Specimen s = at_rest;
-  s.state.v[ParticleId{0}] = {1e-3, 0, 0};
-  Simulation run(s.model, testing::plain_stage(share * exact_critical_step(s.model, s.state, {}), 1e99),
-                 s.state);
-  for (int n = 0; n < 400; ++n) run.step();
-  double fastest = 0.0;
-  for (const Vec3d& v : run.state().v) fastest = std::max(fastest, norm(v));
-  return fastest / 1e-3;
-}
-
-// Below the exact step the energy of leap-frog is kept to a factor 1/(1 - share^2), 5.3 of 0.9.
-TEST(Kinks, LeaveTheExactStepStable) {
-  EXPECT_LT(growth(touching_rod({1, 0, 0}, {}, 0.0), 0.9), 3.0);
-  EXPECT_LT(growth(with_two_slopes(testing::straight_rod(6, recipe()), 25.0), 0.9), 3.0);
 }
 
 }  // namespace

@@ -413,7 +413,7 @@ TEST(WallsAtRest, GiveModesTheirStiffness) {
 TEST(WallsAtRest, ThatJustTouchLeaveNoModes) {
   for (const double at : {-0.5, -0.5 * (1 + 1e-15), -0.5 * (1 - 1e-15)}) {
     const Specimen s = testing::sphere({0, 0, 0}, 0.5, 2.0, contact_of(ContactLaw::linear),
-                                       {plane({at, 0, 0}, {1, 0, 0}), plane({0.45, 0, 0}, {-1, 0, 0})});
+                                       {plane({at, 0, 0}, {1, 0, 0}), plane({0.6, 0, 0}, {-1, 0, 0})});
     const auto modes = testing::static_stage(StageKind::modes, {testing::fixed({ParticleId{0}}, no_spin)});
     EXPECT_TRUE(contains(refused(s, modes), "just touch, to rounding")) << at;
   }

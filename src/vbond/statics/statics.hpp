@@ -50,8 +50,9 @@ struct SolverChoice {
 SolverChoice choose_solver(const Model& model, const StaticStage& stage, const State& state);
 
 /// The largest stable step of leap-frog for small motions about this state, 2 / omega_max of the assembled
-/// body with present contacts and these held degrees of freedom; where bonds damp, which takes smaller steps,
-/// the bound of the single bonds if that is less.  [time] Infinite if nothing is elastic; throws
+/// body with present contacts and these held degrees of freedom. Particles that just touch, to rounding,
+/// count as touching, and of bonds with two slopes the larger one; where bonds damp, which takes smaller
+/// steps, the bound of the single bonds if that is less.  [time] Infinite if nothing is elastic; throws
 /// NoConvergence, and std::invalid_argument as run_static_stage does.
 double exact_critical_step(const Model& model, const State& state, const std::vector<Support>& supports);
 
