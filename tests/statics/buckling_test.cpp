@@ -84,22 +84,6 @@ TEST(PinnedRods, HaveAllCriticalLoadsToRoundingWhateverTheSteps) {
   }
 }
 
-// A bond of the V-model carries its largest torque at 45 degrees, where torsion has no stiffness any more.
-// That is the end of the law, and no critical load of a rod.
-TEST(TwistedRods, EndWhereTheLawOfTheirBondsDoes) {
-  BondRecipe recipe;
-  recipe.parameters = BondStiffness<double>{1e4, 12.0, 1.0, 0.77};
-  const testing::Specimen rod = testing::straight_rod(21, recipe);
-  StaticStage stage = testing::static_stage(
-      StageKind::buckling, {fixed({ParticleId{0}}, testing::clamped),
-                            fixed({ParticleId{20}}, {false, true, true, true, true, true}, {}, {1, 0, 0})});
-  stage.count = 2;
-  const StaticResult found = run_static_stage(rod.model, stage, rod.state, {}).result;
-  EXPECT_EQ(found.ended, "bond range");
-  EXPECT_TRUE(found.critical_loads.empty());
-  EXPECT_NEAR(found.searched_to / (20 * M_PI / 4), 1.0, 1e-6);  // as near as counts as the end
-}
-
 // TH1: the paper's rod of ten, its ends held, grows in length by a part x of it, as by heat: it buckles where
 // its smallest eigenvalue vanishes. Linear between 1e-5 to either side of the exact x, whose square is left.
 TEST(PinnedRods, BuckleByAnImposedGrowthAtTheExactOne) {
