@@ -396,8 +396,8 @@ int resume(const fs::path& folder, const RunOptions& options) {
   require_memory(c, processes.here());
   Built built = build(c, options.threads);
   Checkpoint checkpoint = read_checkpoint(folder / "checkpoint.h5", built.model);
-  check_stages(c, checkpoint.state.clock, folder);
   check_edits(c, built.state, checkpoint.state, folder / "resolved.toml");
+  check_stages(c, checkpoint.state.clock, folder);
   built.state = {};
   const Clock clock = checkpoint.state.clock;  // all of the state that observers go on from
   Run run(std::move(built.model), std::move(checkpoint.state), stages_of(c, options.threads),

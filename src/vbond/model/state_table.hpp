@@ -260,7 +260,7 @@ inline constexpr auto state_table = std::tuple{
               "books began, as a negative number; only if there is any",
               {.known = Known::summed, .filed = Filed::where_any}),
         field("largest", &EnergyBooks::largest, unit::energy,
-              "largest |at_start + work + inserted| so far: the scale of the balance error", {})),
+              "largest size of at_start + work + inserted so far: the scale of the balance error", {})),
     fields_of(
         "/peak/", &State::peak,
         field("sum", &PeakRecord::sum, unit::force, "of the samples in the block under way",
