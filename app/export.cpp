@@ -139,7 +139,7 @@ run           ${{steps}}
 }
 
 /// What of the first stage, and of the body, the files do not have.
-void print_left_out(const Case& c, const Model& model, const State& state, const Stage& stage) {
+void print_left_out(const Case& c, const Model& model, const Stage& stage) {
   std::vector<std::string> left_out;
   const auto note = [&](bool has, const char* what) {
     if (has) left_out.emplace_back(what);
@@ -154,7 +154,7 @@ void print_left_out(const Case& c, const Model& model, const State& state, const
        "damping of particles");
   note(stage.strain.has_value(), "imposed strain");
   note(!stage.bonding.empty(), "bonds made on approach");
-  note(!stage.heating.empty() || !state.warm_bonds.empty(), "temperatures");
+  note(!stage.heating.empty(), "temperatures");
   note(c.stages.size() > 1, "later stages");
   std::string list;
   for (const std::string& what : left_out) list += (list.empty() ? "" : ", ") + what;
@@ -185,7 +185,7 @@ int export_lammps(const RunOptions& options, const std::filesystem::path& folder
   for (const auto& [name, text] : files) replace_file(folder / name, text);
   fmt::print("{} particles and {} bonds of {} kinds in {}: lmp -in body.lammps\n", model.particles(),
              list.bonds.size(), list.kinds.size(), folder.string());
-  print_left_out(c, model, state, *stage);
+  print_left_out(c, model, *stage);
   return done;
 }
 

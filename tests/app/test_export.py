@@ -7,6 +7,7 @@ from program import EXAMPLES, vbond
 
 def test_export():
     fibres = EXAMPLES / "two_fibres.toml"
+    vbond("export", EXAMPLES / "two_particles.toml", "-o", "warm", sets="bonds[0].expansion=1e-5", no_out="temperatures")
     vbond("export", fibres, "-o", "files", out=["left out:", "contacts"])
     particles = re.search("^particles +([0-9]+)", vbond("check", fibres).out, re.M).group(1)
     data, bonds = (Path("files", name).read_text() for name in ("body.data", "body.bonds"))

@@ -113,5 +113,7 @@ def test_stages_that_have_begun_keep_their_places(work, by):
         Path(folder, "resolved.toml").write_text(edit)
         vbond("resume", folder, status=2, err=[rule, "stages that have begun keep their place and their name"])
     Path(folder, "resolved.toml").write_text(whole.replace("1000000.0", "30.0").replace('"third"', '"last"'))
-    vbond("resume", folder)  # later stages, and how long this one lasts, may be edited
+    # later stages, and how long this one lasts, may be edited; where names are not known, that is told
+    Path(folder, "status.json").write_text("{")
+    vbond("resume", folder, err=["not checked whether the stages", "status.json: is not a status of a run"])
     assert values(folder, "name")[-3:] == ["first", "second", "last"]

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "critical_loads.hpp"
+#include "periodic.hpp"
 #include "validation/cases.hpp"
 
 namespace vbond::buckling_test {
@@ -103,6 +104,27 @@ TEST(Columns, EndInTwistAt45DegreesABond) {
   EXPECT_EQ(result.ended, "bond range");
   EXPECT_TRUE(result.critical_loads.empty());
   EXPECT_NEAR(result.searched_to / (20 * M_PI / 4), 1.0, 1e-6);  // as near as counts as the end
+}
+
+// A chain that repeats without end is stretched along itself: none of its waves becomes unstable, and the
+// search ends where bonds have twice their length, the end of what it takes for any law.
+TEST(Columns, WithoutEndLookForWavesUpToTheEndOfTheirLaw) {
+  testing::Specimen chain =
+      testing::periodic_body({Vec3d{2, 0, 0}, Vec3d{0, 5, 0}, Vec3d{0, 0, 5}}, {{0, 0, 0}, {1, 0, 0}});
+  chain.model.cell.periodic = {true, false, false};
+  BondRecipe recipe;
+  recipe.parameters = BondStiffness<double>{1.0, 0.03, 0.0025, 1.0 / 480};
+  testing::bond_image(chain, 0, 1, {0, 0, 0}, recipe);
+  testing::bond_image(chain, 1, 0, {1, 0, 0}, recipe);
+  StaticStage stage = testing::cell_stage({testing::strained(4.0)});
+  stage.kind = StageKind::buckling;
+  stage.count = 1;
+  stage.waves = {{{0.3, 0, 0}, {0.5, 0, 0}}, true};
+  const StaticResult result = run_static_stage(chain.model, stage, chain.state, {}).result;
+  EXPECT_EQ(result.ended, "bond range");
+  EXPECT_TRUE(result.critical_loads.empty());
+  EXPECT_GE(result.searched_to, 0.25 - 1e-9);  // where 1 + 4 f is 2
+  EXPECT_LT(result.searched_to, 0.5);
 }
 
 }  // namespace

@@ -59,7 +59,9 @@ void describe(Table& t, SupportSpec& s, std::optional<StageKind> kind) {
   t.when(!s.rigid, "rigid = false", [&] {
     t.key("fix", s, FixCodec{}, required,
           "which degrees of freedom are held: translation along, rotation about the world's axes; a vector "
-          "holds translation along it");
+          "holds translation along it; at rest, where one rotation is held and two are free, the balance "
+          "depends "
+          "on the way there, and so on steps");
     t.key("fix_rotation", s.about, DirectionsCodec{{direction_vector}}, optional,
           "axes, as vectors, about which rotation is held as well");
     t.check(s.held != HeldDofs{} || !s.along.empty() || !s.about.empty(), {"fix"}, "must hold something",

@@ -79,6 +79,27 @@ void tell_what_rests(const Model& model, const StaticStage& stage, const State& 
                      state.contact_history.size() + state.wall_history.size()));
 }
 
+/// One held rotation of three is a rule on how a particle turns, and none on where it may be: it has no
+/// balance apart from the way there, of which load steps are chords.
+void tell_what_depends_on_steps(const Model& model, const StaticStage& stage, const StaticHooks& hooks) {
+  if (stage.kind == StageKind::modes) return;
+  PerParticle<std::ptrdiff_t> held(model.particles());
+  for (const Support& s : stage.supports)
+    for (const ParticleId p : s.particles)
+      held[p] += s.rigid ? 3 : std::count(s.held.begin() + 3, s.held.end(), true);
+  for (const Support& s : stage.supports) {
+    if (std::none_of(s.particles.begin(), s.particles.end(), [&](ParticleId p) { return held[p] == 1; }))
+      continue;
+    tell(
+        stage, hooks,
+        fmt::format("particles of \"{}\" are held about one axis and free to turn about two: where they turn "
+                    "far, the balance depends on the way there, and so on the load steps; with twice as many "
+                    "its distance from that of loads that grow without steps falls to a quarter",
+                    s.group));
+    return;
+  }
+}
+
 void refuse_contacts(const Model& model, const StaticStage& stage, const State& state) {
   if (any_capsules(model.contact, state.bonds))
     throw NoEquilibrium(stage.name,
@@ -137,6 +158,7 @@ StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, Sta
     refuse_bonds_without_length(stage, state);
     refuse_pressure_without_energy(model, stage, state);
     tell_what_rests(model, stage, state, hooks);
+    tell_what_depends_on_steps(model, stage, hooks);
     if (!model.cell.any() || stage.kind == StageKind::modes)
       return run_kind(model, stage, std::move(state), keeping);
     const StaticStage held = with_floating_held(model, stage, state, hooks);
