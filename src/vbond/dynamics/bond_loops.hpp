@@ -171,6 +171,13 @@ VBOND_HD void add_active(const Real& x, PackLanes in_use, std::size_t l, double&
   sum = all;
 }
 
+/// The same in each lane by itself.
+VBOND_HD void add_in_lanes(const Real& x, PackLanes in_use, std::size_t l, double (&sums)[pack_bonds]) {
+  if (in_use.active == all_lanes) return (Real::load(sums + l) + x).store(sums + l);
+  for (std::size_t k = 0; k < lanes; ++k)
+    if (in_use.has(l + k)) sums[l + k] += x.v[k];
+}
+
 /// What these damping loads take at these rates, in the order of DampedPower::causes.
 template <class L>
 VBOND_HD void add_powers(const L& law, const BondPose<Real>& b, const BondAxis<Real>& axis,
@@ -178,14 +185,12 @@ VBOND_HD void add_powers(const L& law, const BondPose<Real>& b, const BondAxis<R
                          std::size_t l, DampedPower& sum) {
   if constexpr (requires { damping_powers(law, b, axis, rates); }) {
     const DampingPowers<Real> taken = damping_powers(law, b, axis, rates);
-    const Real zero(0.0);
-    Halves by_channel = {taken.axial, taken.shear, taken.bending, taken.torsion};
-    const Halves nothing = {zero, zero, zero, zero};
-    transpose_halves(by_channel);
-    for (std::size_t k = 0; k < lanes; ++k)
-      if (in_use.has(l + k)) add_row(by_channel, nothing, k, sum.of);
+    add_in_lanes(taken.axial, in_use, l, sum.of[0]);
+    add_in_lanes(taken.shear, in_use, l, sum.of[1]);
+    add_in_lanes(taken.bending, in_use, l, sum.of[2]);
+    add_in_lanes(taken.torsion, in_use, l, sum.of[3]);
   } else {
-    add_active(power_taken(damping, rates), in_use, l, sum.of[4]);
+    add_in_lanes(power_taken(damping, rates), in_use, l, sum.of[4]);
   }
 }
 
@@ -253,16 +258,15 @@ VBOND_HD unsigned breaking_lanes(const L& law, const BondPose<Real>& b, const Bo
 // compilers copy structs of packs number by number, and then wait for them. With AVX2 bonds with a strength
 // take 0.7 of the time that they take with variables.
 
-/// Adds elastic loads and those of damping, each to its own sum besides.
+/// Adds the loads of damping to rows of their own, which the step adds to the others once they are complete,
+/// and what they take. So the elastic loads are out of the way before these are worked out.
 template <class L, class P>
 VBOND_HD void add_damped_loads(const P& p, PackLanes in_use, std::size_t l, const L& law,
                                const BondPose<Real>& b, const BondAxis<Real>& axis,
-                               const BondRates<Real>& rates, const BondLoads<Real>& loads,
-                               const BondLoads<Real>& damping, BondSweep& sweep) {
-  add_lanes(p, in_use, l, damping, sweep.damping);
+                               const BondRates<Real>& rates, const BondLoads<Real>& damping,
+                               BondSweep& sweep) {
   if (sweep.damped != nullptr) add_powers(law, b, axis, rates, damping, in_use, l, *sweep.damped);
-  add_lanes(p, in_use, l, {loads.F + damping.F, loads.M_ij + damping.M_ij, loads.M_ji + damping.M_ji},
-            sweep.load);
+  add_lanes(p, in_use, l, damping, sweep.damping);
 }
 
 /// Adds these elastic loads of the bonds in lanes l, l + 1 .. and their damping. Returns the lanes that
@@ -278,10 +282,9 @@ VBOND_HD unsigned add_lanes_with_loads(const PackRun<P>& run, std::size_t pack, 
   if constexpr (Breakable<L>)
     if (run.type->breakable)
       broken = breaking_lanes(law, b, axis, loads, history, unsigned{in_use.active} >> l) << l;
+  add_lanes(p, in_use, l, loads, sweep.load);
   if constexpr (damped)
-    add_damped_loads(p, in_use, l, law, b, axis, rates, loads, bond_damping(law, b, axis, rates), sweep);
-  else
-    add_lanes(p, in_use, l, loads, sweep.load);
+    add_damped_loads(p, in_use, l, law, b, axis, rates, bond_damping(law, b, axis, rates), sweep);
   return broken;
 }
 

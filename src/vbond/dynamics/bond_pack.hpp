@@ -81,7 +81,8 @@ struct PackRun {
 struct DampedPower {
   static constexpr Loss causes[] = {Loss::damping_axial, Loss::damping_shear, Loss::damping_bending,
                                     Loss::damping_torsion, Loss::bond_damping};
-  alignas(64) double of[8]{};  ///< in this order; the rest is zero: a row as the kernel adds them
+  /// In this order, and of each lane of the packs by itself: so bonds do not wait for each other's sum.
+  alignas(64) double of[std::size(causes)][pack_bonds]{};
 };
 
 /// What the loop over bonds reads and writes besides the packs.
@@ -89,7 +90,7 @@ struct BondSweep {
   const PoseRow* pose;
   LoadRow* load;
   const MotionRow* rates = nullptr;  ///< of the last half step; for laws that read rates only
-  LoadRow* damping = nullptr;        ///< the part of the loads that damps, for laws that do
+  LoadRow* damping = nullptr;        ///< gets the loads of damping, for laws that damp; `load` does not
   double dt = 0;                     ///< for laws that remember: their history advances by it; 0: it stays
   double dissipated = 0;             ///< by what bonds remember, added to  [energy]
   double by_other_laws = 0;          ///< the part of it whose laws are not the library's

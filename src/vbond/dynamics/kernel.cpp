@@ -112,6 +112,13 @@ double twice_power(RowRange rows, const LoadRow* load, const MotionRow* before, 
   return sum_of_row(sum);
 }
 
+void add_rows(RowRange rows, const LoadRow* from, LoadRow* to) {
+  for (std::size_t k = rows.first; k < rows.last; ++k)
+    for (std::size_t part = 0; part < 8; part += lanes)
+      (Real::load(numbers(to + k) + part) + Real::load(numbers(from + k) + part))
+          .store(numbers(to + k) + part);
+}
+
 }  // namespace
 
 ContactLoop add_contact_loads;  // contact_kernel.cpp
@@ -130,6 +137,7 @@ struct LoopsOf<LawList<Laws...>> {
 
 extern const StepKernel kernel;
 const StepKernel kernel{VBOND_KERNEL_NAME, LoopsOf<BondLaws>::loops, kick,        drift,
-                        slow_down,         add_contact_loads,        touch_pairs, twice_power};
+                        slow_down,         add_contact_loads,        touch_pairs, twice_power,
+                        add_rows};
 
 }  // namespace vbond::VBOND_KERNEL

@@ -51,6 +51,8 @@ struct StepKernel {
   TouchLoop* touch_pairs;
   /// The sum of F . (v + v') + M . (omega + omega') with the rates before and after.
   double (*twice_power)(RowRange, const LoadRow*, const MotionRow* before, const MotionRow* after);
+  /// to += from.
+  void (*add_rows)(RowRange, const LoadRow* from, LoadRow* to);
 };
 
 /// The kernels that this machine can execute, the best one last. AVX-512 has two: with pairs of packs for

@@ -237,6 +237,7 @@ void Simulation::complete_block(const Block& b, Instant at, StepTimes::Lap& lap)
 
 /// All other loads.
 void Simulation::complete_loads(const Block& b, Instant at, StepTimes::Lap& lap) {
+  if (!only_elastic_ && bonds_.damp()) kernel_.add_rows(b.rows, bodies_.damping.data(), bodies_.load.data());
   if (!only_elastic_ && capsules_.any()) {
     capsules_.add_loads({b.rows.first, std::min(b.rows.last, bodies_.order.own)}, bodies_.load.data());
     lap.add_to(times_.contacts);

@@ -56,9 +56,11 @@ bool Simulation::is_sent(const Block& b) const {
 /// their particles; capsules give theirs to particles at once.
 std::array<Vec3d, 3> Simulation::force_on_images() const {
   std::array<Vec3d, 3> sum = images_.edges_times_force(bodies_.load);
-  if (!capsules_.any()) return sum;
-  const std::array<Vec3d, 3> of_capsules = capsules_.edges_times_force(bodies_.order.own);
-  for (std::size_t k = 0; k < 3; ++k) sum[k] += of_capsules[k];
+  const auto add = [&sum](const std::array<Vec3d, 3>& more) {
+    for (std::size_t k = 0; k < 3; ++k) sum[k] += more[k];
+  };
+  if (!bodies_.damping.empty()) add(images_.edges_times_force(bodies_.damping));
+  if (capsules_.any()) add(capsules_.edges_times_force(bodies_.order.own));
   return sum;
 }
 
