@@ -6,38 +6,21 @@
 
 #include "campaigns/bodies.hpp"
 #include "campaigns/judge.hpp"
+#include "clouds.hpp"
 #include "vbond/model/make_bond.hpp"
 #include "vbond/model/periodic_cell.hpp"
 
 namespace vbond::free_grips_test {
 namespace {
 
+using testing::cloud;
 using testing::Dice;
+using testing::grip;
+using testing::mass_of;
 using testing::Specimen;
 
-Support grip(std::vector<ParticleId> particles, const HeldDofs& held) {
-  Support s;
-  s.group = "grip";
-  s.particles = std::move(particles);
-  s.held = held;
-  s.rigid = true;
-  return s;
-}
 constexpr HeldDofs nothing{}, all_but_z{true, true, false, true, true, true};
 
-/// Unbonded particles of different masses, turned anyhow.
-Specimen cloud(std::size_t n, unsigned seed = 7) {
-  Dice dice(seed);
-  std::vector<Vec3d> r;
-  for (std::size_t k = 0; k < n; ++k) r.push_back(dice.vector(2.0));
-  Specimen s = testing::particles_at(r);
-  for (const ParticleId p : s.state.q.ids()) {
-    s.state.q[p] = rotation_of(dice.vector(3.0));
-    s.model.mass[p] = dice(0.5, 2.0);
-    s.model.inertia[p] = dice(0.05, 0.1);
-  }
-  return s;
-}
 PointLoad load_on(const Specimen& s, const Vec3d& total_force) {
   PointLoad l{"load", s.model.groups[0].particles, {}, {}, {}};
   double mass = 0.0;
@@ -45,12 +28,6 @@ PointLoad load_on(const Specimen& s, const Vec3d& total_force) {
   l.force_by_mass = total_force / mass;
   return l;
 }
-double mass_of(const Specimen& s) {
-  double mass = 0.0;
-  for (const double m : s.model.mass) mass += m;
-  return mass;
-}
-
 // A force on a plate that may move along z only: F/M, whatever pushes where. Its other components go into the
 // support, which does no work.
 TEST(FreeGrip, ForceAcceleratesItAlongWhatIsFree) {
@@ -70,6 +47,7 @@ TEST(FreeGrip, ForceAcceleratesItAlongWhatIsFree) {
   EXPECT_NEAR(run.books().work_supports, 0.0, 1e-12);
   const GripView view = run.grips().at(0);
   EXPECT_LE(norm(view.force - Vec3d{-3, 2, 0}), 1e-12);
+  EXPECT_LE(norm(run.reaction(s.model.groups[0].particles).force - Vec3d{-3, 2, 0}), 1e-12);
   EXPECT_NEAR(view.work.value(), 0.0, 1e-12);
 }
 
@@ -157,6 +135,10 @@ TEST(FreeGrip, SwingsAboutAHinge) {
     EXPECT_LT(std::abs(run.balance_error()), k == 0 ? 1e-3 : 2.5e-4);
     // the pin carries the weight and the centripetal force; no moment about its axis
     EXPECT_NEAR(run.grips().at(0).moment.y, 0.0, 1e-12);
+    const Reaction reaction = run.reaction(s.model.groups[0].particles);
+    EXPECT_NEAR(reaction.moment.y, 0.0, 1e-12);
+    EXPECT_NEAR(norm(reaction.force - run.grips().at(0).force), 0.0, 1e-12);
+    EXPECT_GT(std::abs(run.reaction({ParticleId{4}}).moment.y), 0.1);  // what the others do to one of them
   }
   EXPECT_NEAR(error[0] / error[1], 4.0, 0.3);
   EXPECT_LT(error[1], 2e-3);

@@ -163,12 +163,12 @@ Grips::Rates Grips::loads_on(const Grip& grip, const Vec3d& pivot) const {
 /// will see the free velocities fall: that is not its work.
 double Grips::slow_down(Grip& grip, const Place& place, double factor) {
   if (stage_.b_translation == 0.0 && stage_.b_rotation == 0.0) return 0.0;
-  const double lost = grip.free->body.slow_down(place.turn, grip.state.velocity, grip.state.spin);
   const Support& s = *grip.support;
-  const double against_support =
-      0.5 * stage_.dt * sq(factor) * grip.free->body.drag_power(place.turn, s.velocity, s.angular_velocity);
-  work_[static_cast<std::size_t>(&grip - grips_.data())] += lost + against_support;
-  return lost + against_support;
+  const GripDrag taken = grip.free->body.slow_down(
+      place.turn, {factor * s.velocity, factor * s.angular_velocity}, grip.state.velocity, grip.state.spin);
+  const double all = taken.lost + taken.against_support;
+  work_[static_cast<std::size_t>(&grip - grips_.data())] += all;
+  return all;
 }
 
 /// The first half of a step: along the way that `end` then says.
@@ -301,6 +301,15 @@ void Grips::carry(const Block& block) {
 void Grips::close() {
   for (std::size_t k = 0; k < work_.size(); ++k) grips_[k % grips_.size()].state.work += work_[k];
   std::fill(work_.begin(), work_.end(), 0.0);
+}
+
+void Grips::leave_held(const Support& support, std::int64_t stage_step, Vec3d& F, Vec3d& moment) const {
+  const auto g = std::find_if(grips_.begin(), grips_.end(),
+                              [&support](const Grip& grip) { return grip.support == &support; });
+  const Vec3d pivot = place_of(*g, g->path(time_of(stage_step))).pivot;
+  const Vec3d free_F = g->free->body.free_part(F), about_pivot = moment - cross(pivot, F);
+  F -= free_F;
+  moment -= g->free->body.free_turn(about_pivot) + cross(pivot, free_F);
 }
 
 std::vector<GripView> Grips::views(std::int64_t stage_step) const {

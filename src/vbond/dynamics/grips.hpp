@@ -48,6 +48,9 @@ class Grips {
   /// Adds up what they have done in the step.
   void close();
 
+  /// Takes out of a load on one of its particles, and its moment about the origin, what a grip leaves free,
+  /// as it stands at this step. Not for supports that are no grip free in part.
+  void leave_held(const Support& support, std::int64_t stage_step, Vec3d& F, Vec3d& moment) const;
   /// As they are at this step of the stage: of a part, what its own particles bear.
   std::vector<GripView> views(std::int64_t stage_step) const;
 
@@ -57,9 +60,7 @@ class Grips {
     Vec3d pivot;
     Quatd turn;  ///< since it took hold
   };
-  struct Rates {
-    Vec3d v, omega;
-  };
+  using Rates = GripRates;
   /// What a free grip does in a step, along and about what is free: rates of the pivot.
   struct Free {
     FreeGrip body;

@@ -226,7 +226,8 @@ class Simulation final : public BodyView, private MotionHost {
   bool anything_touches() const { return contacts_.any() || capsules_.any() || terms_.any_touching(); }
   void close_books();
   double largest_way2() const;
-  void add_held(const Hold& hold, Row row, const Vec3d& F, const Vec3d& M, Reaction& total) const;
+  std::vector<char> whole_free_grips(const std::vector<ParticleId>& particles) const;
+  void add_held(const Hold& hold, bool whole, Row row, const Vec3d& F, const Vec3d& M, Reaction& total) const;
   void look_at_deep_contacts();
   void check_finite() const;
   bool past_largest(const Bond& bond) const;

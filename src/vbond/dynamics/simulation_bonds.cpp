@@ -268,16 +268,18 @@ void Simulation::take_out(const Broken& broken) {
 
 Reaction Simulation::reaction_before_breaks(const std::vector<ParticleId>& particles) const {
   Reaction total = reaction_here(particles);
+  const std::vector<char> grips = whole_free_grips(particles);
   for (const Hold& h : supports_.holds()) {
     if (!std::binary_search(particles.begin(), particles.end(), h.particle)) continue;
     const Row row = bodies_.order.row[h.particle];
+    const bool whole = grips[h.support] != 0;
     for (const TakenLoads& t : taken_) {
-      if (t.i == h.particle) add_held(h, row, -t.loads.F, -t.loads.M_ij, total);
-      if (t.j == h.particle) add_held(h, row, t.loads.F, -t.loads.M_ji, total);
+      if (t.i == h.particle) add_held(h, whole, row, -t.loads.F, -t.loads.M_ij, total);
+      if (t.j == h.particle) add_held(h, whole, row, t.loads.F, -t.loads.M_ji, total);
     }
     auto s = std::lower_bound(taken_shares_.begin(), taken_shares_.end(), row.value,
                               [](const Capsules::Share& x, std::size_t first) { return x.row < first; });
-    for (; s != taken_shares_.end() && s->row == row.value; ++s) add_held(h, row, -s->F, -s->M, total);
+    for (; s != taken_shares_.end() && s->row == row.value; ++s) add_held(h, whole, row, -s->F, -s->M, total);
   }
   return summed_over_parts(total);
 }

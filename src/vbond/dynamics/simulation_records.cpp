@@ -198,27 +198,46 @@ Reaction Simulation::reaction(const std::vector<ParticleId>& particles) const {
 /// What is exerted on those that are moved here.
 Reaction Simulation::reaction_here(const std::vector<ParticleId>& particles) const {
   Reaction total;
+  const std::vector<char> whole = whole_free_grips(particles);
   for (const Hold& h : supports_.holds()) {
     if (!std::binary_search(particles.begin(), particles.end(), h.particle)) continue;
     const std::size_t row = bodies_.order.row[h.particle].value;
     const MotionRow& motion = bodies_.motion[row];
     const LoadRow& load = bodies_.load[row];
-    add_held(h, Row{row}, stage_.b_translation * motion.v - load.F, stage_.b_rotation * motion.omega - load.M,
-             total);
+    add_held(h, whole[h.support] != 0, Row{row}, stage_.b_translation * motion.v - load.F,
+             stage_.b_rotation * motion.omega - load.M, total);
   }
   return total;
 }
 
-/// The part of a force and moment on a particle that its support exerts.
-void Simulation::add_held(const Hold& hold, Row row, const Vec3d& F, const Vec3d& M, Reaction& total) const {
+/// Of each support: whether it is a grip that is free in part and has all its particles among these.
+std::vector<char> Simulation::whole_free_grips(const std::vector<ParticleId>& particles) const {
+  std::vector<char> whole;
+  for (const Support& s : stage_.supports)
+    whole.push_back(is_free_grip(s) && std::includes(particles.begin(), particles.end(), s.particles.begin(),
+                                                     s.particles.end()));
+  return whole;
+}
+
+/// The part of a force and moment on a particle that its support exerts: of a grip that is free in part all
+/// of it, less what moves the grip along what is free, if that is `whole`.
+void Simulation::add_held(const Hold& hold, bool whole, Row row, const Vec3d& F, const Vec3d& M,
+                          Reaction& total) const {
+  const Support& support = stage_.supports[hold.support];
   Vec3d held_F, held_M;
-  for (std::size_t dof = 0; dof < 6; ++dof)
-    if (hold.held[dof]) {
-      const Vec3d& axis = axis_of(hold.axes.get(), dof);
-      (dof < 3 ? held_F : held_M) += dot(dof < 3 ? F : M, axis) * axis;
-    }
+  if (is_free_grip(support)) {
+    held_F = F, held_M = M;
+  } else {
+    for (std::size_t dof = 0; dof < 6; ++dof)
+      if (hold.held[dof]) {
+        const Vec3d& axis = axis_of(hold.axes.get(), dof);
+        (dof < 3 ? held_F : held_M) += dot(dof < 3 ? F : M, axis) * axis;
+      }
+  }
+  Vec3d moment = held_M + cross(bodies_.pose[row.value].r, held_F);
+  if (whole) supports_.grips().leave_held(support, state_.clock.stage_step, held_F, moment);
   total.force += held_F;
-  total.moment += held_M + cross(bodies_.pose[row.value].r, held_F);
+  total.moment += moment;
 }
 
 /// Those that are worked out here.
