@@ -103,7 +103,7 @@ Specimen lattice(const Quatd& turn, const Vec3d& shift, double overlap) {
   std::vector<Vec3d> r;
   for (int x = 0; x < 3; ++x)
     for (int y = 0; y < 3; ++y)
-      for (int z = 0; z < 3; ++z) r.push_back(shift + rotate(turn, Vec3d(x, y, z)));
+      for (int z = 0; z < 3; ++z) r.push_back(shift + rotate(turn, Vec3d{1.0 * x, 1.0 * y, 1.0 * z}));
   const auto edge = [&](const Vec3d& e) { return rotate(turn, 3.0 * e); };
   Specimen s =
       testing::periodic_body({edge({1, 0, 0}), edge({0, 1, 0}), edge({0, 0, 1})}, r, 0.5 + 0.5 * overlap);
