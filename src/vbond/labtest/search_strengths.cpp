@@ -190,16 +190,20 @@ class Search {
     found_.jump = {at(low), at(high)};
   }
 
+  /// Of two strengths the ratio is what limits of bonds can hardly change; of ratios that are much alike, the
+  /// one whose strengths are nearer.
   void choose_nearest() {
+    constexpr double by_size = 0.05;
     double least = 0.0;
     for (std::size_t k = 0; k < found_.all.size(); ++k) {
       const StrengthEvaluation& e = found_.all[k];
       const Strengths& s = e.found.strengths;
       if (!has_all(goal_.asked, s)) continue;
-      const double off = both_                     ? scaled(e).miss
-                         : goal_.asked.tensile     ? std::log(*s.tensile / *goal_.asked.tensile)
-                         : goal_.asked.compressive ? std::log(*s.compressive / *goal_.asked.compressive)
-                                                   : std::log(*s.toughness / *goal_.asked.toughness);
+      const double off =
+          both_ ? std::abs(scaled(e).miss) + by_size * std::abs(std::log(*s.tensile / *goal_.asked.tensile))
+          : goal_.asked.tensile     ? std::log(*s.tensile / *goal_.asked.tensile)
+          : goal_.asked.compressive ? std::log(*s.compressive / *goal_.asked.compressive)
+                                    : std::log(*s.toughness / *goal_.asked.toughness);
       if (!found_.nearest || std::abs(off) < least) found_.nearest = k, least = std::abs(off);
     }
   }
