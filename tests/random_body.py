@@ -101,4 +101,6 @@ def random_case(rng):
     text += f'[[velocities]]\ngroup = "all"\nkind = "gaussian"\nmagnitude = 1e-3\nseed = {rng.randint(1, 999)}\n'
     text += '[time]\nfraction = 0.1\n'
     text += "".join(stage(rng, f"stage_{k}", names, walled, opened) for k in range(rng.randint(1, 2)))
-    return text + '[output]\nhistory = {every = "0.2 T0", displacements = ["block_0", 0]}\n'
+    return text + ('[output.history]\nevery = "0.2 T0"\ndisplacements = ["block_0", 0]\nvelocities = ["block_0", "all"]\n'
+                   'axial_force = ["block_0"]\nstress = [{group = "block_0", volume = 10.0}, {group = "all", volume = 20.0}]\n'
+                   "[watch]\nevery = 20\n")

@@ -153,7 +153,7 @@ TEST(FlatJoint, ShearUnderPressureHasThePeakOfMohrCoulombAndTheResidueOfFriction
   EXPECT_NEAR(std::abs(force_on_first(run.state()).y) / (rock.friction * sigma * A), 1.0, 1e-9);
   EXPECT_NEAR(force_on_first(run.state()).x / (-sigma * A), 1.0, 1e-9);
   EXPECT_GT(run.books().released, 0.0);
-  EXPECT_GT(run.losses()[Loss::friction], 0.0);
+  EXPECT_GT(losses_of(run)[Loss::friction], 0.0);
   EXPECT_LT(std::abs(run.balance_error()), 1e-9);
 }
 
@@ -241,7 +241,7 @@ TEST(FlatJoint, BooksCloseWhileABlockShakesToPieces) {
     EXPECT_GT(run.state().breaks, 30);
     EXPECT_EQ(cracked(run.state()) > 0, rubs);
     EXPECT_LT(std::abs(run.balance_error()), 2e-3);
-    EXPECT_EQ(run.losses()[Loss::friction] > 0.0, rubs);
+    EXPECT_EQ(losses_of(run)[Loss::friction] > 0.0, rubs);
   }
 }
 

@@ -40,13 +40,13 @@ Losses losses_in(const Specimen& s, const Stage& stage, int steps, std::initiali
   Simulation run(s.model, stage, s.state);
   for (int k = 0; k < steps; ++k) {
     run.step();
-    const Losses lost = run.losses();
+    const Losses lost = losses_of(run);
     double sizes = 0.0;
     for (const double x : lost.of) sizes += std::abs(x);
     // some roundings a step of numbers no larger than these
     EXPECT_NEAR(lost.sum(), run.books().dissipated, 1e-15 * (k + 10) * std::max(sizes, 1e-3)) << "step " << k;
   }
-  const Losses lost = run.losses();
+  const Losses lost = losses_of(run);
   for (std::size_t k = 0; k < loss_count; ++k) {
     const auto cause = static_cast<Loss>(k);
     const bool wanted = std::find(expected.begin(), expected.end(), cause) != expected.end();
@@ -71,10 +71,10 @@ TEST(Losses, OfBondsThatYieldAreByChannelTheLimitsTimesTheFlow) {
   stage.supports[1].factor.points = {{0.3, 1}, {0.3, -1}};
   Simulation run(pair.model, stage, pair.state);
   for (int k = 0; k < 30; ++k) run.step();
-  EXPECT_NEAR(run.losses()[Loss::yield_axial], 0.01 * 0.02, 1e-15);  // beyond 0.01 by 0.02
+  EXPECT_NEAR(losses_of(run)[Loss::yield_axial], 0.01 * 0.02, 1e-15);  // beyond 0.01 by 0.02
   for (int k = 0; k < 60; ++k) run.step();
   // back by 0.06 from u = 0.03 with N = 0.01: elastic until N = -0.02, then 0.03 more
-  EXPECT_NEAR(run.losses()[Loss::yield_axial], 0.01 * 0.02 + 0.02 * 0.03, 1e-4 * 0.02);
+  EXPECT_NEAR(losses_of(run)[Loss::yield_axial], 0.01 * 0.02 + 0.02 * 0.03, 1e-4 * 0.02);
 }
 
 TEST(Losses, OfCreepDampingAndSofteningAreKeptApart) {
@@ -100,7 +100,7 @@ Losses losses_of_pair(double stretching, double twisting) {
   pair.state.omega[ParticleId{1}] = {twisting, 0, 0};
   Simulation run(pair.model, testing::plain_stage(0.01, 1e9), pair.state);
   for (int k = 0; k < 200; ++k) run.step();
-  return run.losses();
+  return losses_of(run);
 }
 
 TEST(Losses, OfDampingAreThoseOfTheChannelThatMoves) {
@@ -120,7 +120,7 @@ TEST(Losses, OfDampingByChannelConverge) {
     const Specimen s = lively(recipe);
     Simulation run(s.model, testing::plain_stage(0.01 / finer, 1e9), s.state);
     for (int k = 0; k < 400 * finer; ++k) run.step();
-    return run.losses();
+    return losses_of(run);
   };
   const Losses coarse = after(1), half = after(2), quarter = after(4);
   for (const Loss channel :
@@ -188,10 +188,10 @@ TEST(Losses, BeginAnewWithTheBooks) {
   EXPECT_GT(losses_by_flow(later).sum(), 0.0);
   later.clock = {};
   Simulation second(s.model, testing::plain_stage(0.05, 1e9), later);
-  EXPECT_EQ(second.losses(), Losses{});
+  EXPECT_EQ(losses_of(second), Losses{});
   EXPECT_EQ(second.books().dissipated, 0.0);
   for (int k = 0; k < 300; ++k) second.step();
-  EXPECT_NEAR(second.losses().sum(), second.books().dissipated, 1e-15);
+  EXPECT_NEAR(losses_of(second).sum(), second.books().dissipated, 1e-15);
 }
 
 TEST(Losses, AreTheSameBitsAfterAnyResumption) {

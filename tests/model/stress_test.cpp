@@ -38,7 +38,7 @@ void deform(Specimen& s, const Vec3d& by, const Quatd& turn = {}, const Vec3d& s
 }
 SymmetricParts stress_of(const Specimen& s, double volume) {
   return symmetric_part(
-      mean_stress(stress_times_volume(s.model, s.state), s.model.groups[0].particles, volume));
+      mean_stress(s.state, stress_times_volume(s.model, s.state), s.model.groups[0].particles, volume));
 }
 
 // A bond in each of 16 lines: force over area, with the area that the lines have.

@@ -60,7 +60,7 @@ Motion move(const Body& body, int finer, double in_doubt) {
       if (run.events()[course.breaks + b].bond.value != broken[b]) return wrong("order of breaks");
     course.breaks += broken.size();
   }
-  course.lost = run.losses();
+  course.lost = losses_of(run);
   const double scale = run.books().largest;
   found.off = largest_difference(course.lost, own.bonds) / scale;
   for (std::size_t p = 0; p < own.r.size(); ++p)

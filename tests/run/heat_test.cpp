@@ -283,7 +283,7 @@ TEST(Heat, LeavesATensionWhereABondHasYielded) {
   Simulation motion(s.model, stage, s.state);
   motion.run();
   EXPECT_NEAR(motion.mean_axial_force(s.model.groups[0].particles), left, 1e-14);
-  EXPECT_NEAR(motion.losses()[Loss::yield_axial], 0.01 * left, 1e-14);
+  EXPECT_NEAR(losses_of(motion)[Loss::yield_axial], 0.01 * left, 1e-14);
 }
 
 // A rod that is held breaks as it is cooled, the weakest bond first; the books of fracture close.

@@ -37,9 +37,11 @@ void Bodies::read(const State& s) {
 
 void Bodies::write(State& s) const {
   for (Row k{0}; k.value < order.known; ++k.value) {
-    if (order.is_empty(k) || !order.image(k).is_itself()) continue;
+    if (order.is_empty(k)) continue;
     const ParticleId p = order.particle[k];
-    s.r[p] = pose[k.value].r;
+    const Image n = order.image(k);
+    if (!n.is_itself() && order.knows(p)) continue;  // itself is known
+    s.r[p] = n.is_itself() ? pose[k.value].r : pose[k.value].r - to_image(s.cell, n);
     s.q[p] = pose[k.value].q;
     if (k.value >= order.own) continue;
     s.v[p] = motion[k.value].v;

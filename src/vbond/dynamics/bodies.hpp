@@ -20,7 +20,8 @@ struct Bodies {
   /// In this order, which may be that of a part.
   Bodies(const Model& model, Order order);
 
-  /// Takes positions and velocities over from a state, and gives them back: of a part, those that it moves.
+  /// Takes positions and velocities over from a state, and gives them back: of a part, those that it moves,
+  /// and where its ghosts are.
   void read(const State& state);
   void write(State& state) const;
   Loads collect(const std::vector<LoadRow>& loads) const;

@@ -29,15 +29,6 @@ class CellImages final : public Exchange {
   /// The sum over images of how many of each edge they are away times the force on them.  [force]
   std::array<Vec3d, 3> edges_times_force(std::span<const LoadRow> load) const;
 
-  void sum(std::span<double>) const override {}
-  void max(std::span<double>) const override {}
-  int ranks() const override { return 1; }
-  int rank() const override { return 0; }
-  void gather_bytes(std::span<const std::byte> mine, const Room& room) const override {
-    one_rank().gather_bytes(mine, room);
-  }
-  void together(const std::function<void()>& work) const override { work(); }
-
  private:
   struct Ghost {
     std::size_t of;  // the row of the particle

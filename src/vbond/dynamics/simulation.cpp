@@ -60,7 +60,7 @@ void Simulation::step() {
   }
   ++state_.clock.step;
   ++state_.clock.stage_step;  // time is counted, not summed
-  bodies_ahead_ = true;
+  shown_ = Shown::nothing;
   survey_.reset();
   for (MotionTerm* t : terms_.all()) t->end_step(stage_.dt);
   close_books();
@@ -296,7 +296,7 @@ void Simulation::apply_loads_alone() {
 }
 
 void Simulation::particles_jumped() {
-  bodies_ahead_ = true;
+  shown_ = Shown::nothing;
   last_way_ = std::numeric_limits<double>::infinity();
   evaluate_loads();
 }

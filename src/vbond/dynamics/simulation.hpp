@@ -108,8 +108,7 @@ class Simulation final : public BodyView, private MotionHost {
   Loads loads() const { return bodies_.collect(bodies_.load); }
   /// Threads at work: fewer than asked for if there is too little for them to do.
   int threads() const { return static_cast<int>(team_.parts().size()); }
-  /// Where the wall time of the steps has gone.
-  const StepTimes& times() const { return times_; }
+  const StepTimes& times() const { return times_; }  ///< where the wall time of the steps has gone
 
   // ---- what may be wrong with it ----
   /// What is deep in one another, or too fast for contacts to keep it apart; observers look at every step
@@ -120,10 +119,7 @@ class Simulation final : public BodyView, private MotionHost {
   std::optional<FastTurn> fastest_turn() const;
 
   // ---- processes that share it ----
-  /// Those that step the body.
   const Exchange& exchange() const { return exchange_; }
-  /// What this one steps. Those who write ask all processes for it: it costs less than state().
-  OwnPart own_part() const;
   /// After so many steps the processes that step a body tell each other of failures and interruptions; who
   /// looks more often has them wait for that look alone. 1 where one process steps the whole body.
   std::int64_t steps_between_meetings() const { return is_part_ ? 64 : 1; }
@@ -143,9 +139,9 @@ class Simulation final : public BodyView, private MotionHost {
   // ---- of a BodyView ----
   const Model& model() const override { return model_; }
   const State& state() const override;
+  BodyPart part(double near = 0.0, bool ends_of_broken = false) const override;
   const Survey& survey() const override;
   const EnergyBooks& books() const override;
-  Losses losses() const override;
   double balance_error() const override;
   Reaction reaction(const std::vector<ParticleId>& particles) const override;
   double mean_axial_force(const std::vector<ParticleId>& particles) const override;
@@ -267,7 +263,9 @@ class Simulation final : public BodyView, private MotionHost {
   double way_since_begin() const;
   double way_of_images(const CellEdges& edges) const;
   std::array<Vec3d, 3> force_on_images() const;
-  void collect_own() const;
+  void show_own() const;
+  void show_ends_of_broken() const;
+  std::vector<ParticleId> near_own(double reach) const;
   void diverge(std::size_t first_particle, const std::string& who, const std::string& what,
                const std::string& way_out) const override;
   HaloColumns halo_columns();
@@ -294,11 +292,12 @@ class Simulation final : public BodyView, private MotionHost {
   const StepKernel& kernel_ = step_kernel();
   const Model& model_;
   const Stage stage_;
-  mutable State state_;                // positions and velocities as of the last state() or stage start
-  mutable bool bodies_ahead_ = false;  // they have moved on since
-  mutable EnergyBooks booked_;         // here: of a part its share, but for the largest energy
-  mutable bool books_ahead_ = true;    // booked_ has changed since state_ got the books of the whole body
-  bool only_elastic_ = false;          // has_only_elastic_bonds(): a step then leaves out all the rest
+  enum class Shown : std::uint8_t { nothing, own, all };  // what state_ has of places and memories as of now
+  mutable State state_;
+  mutable Shown shown_ = Shown::all;
+  mutable EnergyBooks booked_;       // here: of a part its share, but for the largest energy
+  mutable bool books_ahead_ = true;  // booked_ has changed since state_ got the books of the whole body
+  bool only_elastic_ = false;        // has_only_elastic_bonds(): a step then leaves out all the rest
   const bool is_part_;
   Bodies bodies_;
   CellImages images_;
@@ -333,6 +332,7 @@ class Simulation final : public BodyView, private MotionHost {
   std::int64_t steps_to_look_ = 1;
   StepTimes times_;
   // of a part
+  mutable PerParticle<char> is_own_;        // for part(); empty: not asked for yet
   mutable std::optional<Failed> failed_;    // first of all
   std::vector<Vec3d> r_begin_;              // of the rows that it moves
   CellEdges cell_begin_;                    // and the edges then

@@ -123,7 +123,7 @@ void Simulation::begin_stage() {
   supports_.set_times(0, stage_.dt);
   team_.for_blocks(
       [&](const Block& b) { books_[b.index] = {.work_supports = supports_.hold(b, Instant::start)}; });
-  bodies_ahead_ = true;
+  shown_ = Shown::nothing;
   survey_.reset();
   close_books();
 }

@@ -9,6 +9,7 @@
 
 #include "vbond/core/error.hpp"
 #include "vbond/core/images.hpp"
+#include "vbond/dynamics/borders.hpp"
 #include "vbond/dynamics/simulation.hpp"
 #include "vbond/model/capsules.hpp"
 
@@ -208,13 +209,11 @@ std::vector<BondId> Simulation::own_bonds() const {
   return own;
 }
 
-/// Ends of bonds that broke may be far away by now.
-OwnPart Simulation::own_part() const {
-  if (bodies_ahead_) collect_own();
+/// They may be far away by now.
+void Simulation::show_ends_of_broken() const {
   const Order& order = bodies_.order;
-  OwnPart own{own_particles(), own_bonds(), state_};
   std::vector<ParticleId> unknown;
-  for (const BondId b : own.bonds)
+  for (const BondId b : own_bonds())
     if (!order.knows(state_.bonds[b].j)) unknown.push_back(state_.bonds[b].j);
   std::sort(unknown.begin(), unknown.end());
   unknown.erase(std::unique(unknown.begin(), unknown.end()), unknown.end());
@@ -227,7 +226,35 @@ OwnPart Simulation::own_part() const {
   for (const ParticleId p : exchange_.gather(unknown))
     if (order.has(p)) ends.push_back({p, state_.r[p], state_.q[p]});
   for (const End& e : exchange_.gather(ends)) state_.r[e.particle] = e.r, state_.q[e.particle] = e.q;
-  return own;
+}
+
+BodyPart Simulation::part(double near, bool ends_of_broken) const {
+  show_own();
+  if (!is_part_) return state_;
+  if (ends_of_broken) show_ends_of_broken();
+  const Order& order = bodies_.order;
+  if (is_own_.empty())
+    for (const ParticleId p : order.row.ids())  // nobody moves those that are absent
+      is_own_.push_back(order.has(p) || (leads() && is_absent(state_, p)));
+  return {state_, is_own_, near > 0.0 ? near_own(near) : std::vector<ParticleId>{}, exchange_};
+}
+
+/// Ghosts are near enough where what may meet reaches so far; else parts ask each other.
+std::vector<ParticleId> Simulation::near_own(double reach) const {
+  const Order& order = bodies_.order;
+  PerParticle<char> is_near(order.row.size());
+  for (Row k{0}; k.value < order.known; ++k.value)
+    if (!order.is_empty(k)) is_near[order.particle[k]] = 1;
+  if (!(reach <= this->reach()))
+    for (const PlacedParticle& p :
+         particles_across_borders(model_, state_, own_particles(), reach, exchange_)) {
+      state_.r[p.particle] = p.r;
+      is_near[p.particle] = 1;
+    }
+  std::vector<ParticleId> near;
+  for (const ParticleId p : is_near.ids())
+    if (is_near[p]) near.push_back(p);
+  return near;
 }
 
 }  // namespace vbond

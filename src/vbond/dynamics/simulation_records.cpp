@@ -115,11 +115,16 @@ const Survey& Simulation::survey() const {
   if (survey_) return *survey_;
   Survey survey = survey_here();
   Energies& e = survey.energies;
-  std::array<double, 6> sums{e.kinetic_translation, e.kinetic_rotation, e.U_L, e.U_B, e.U_T, e.contact};
+  std::array<double, 7> sums{e.kinetic_translation,
+                             e.kinetic_rotation,
+                             e.U_L,
+                             e.U_B,
+                             e.U_T,
+                             e.contact,
+                             survey.deformed.empty() ? 0.0 : 1.0};
   exchange_.sum(sums);
   e = {sums[0], sums[1], sums[2], sums[3], sums[4], sums[5]};
-  survey.deformed = exchange_.gather(survey.deformed);
-  std::sort(survey.deformed.begin(), survey.deformed.end());
+  survey.any_deformed = sums[6] > 0.0;
   return survey_.emplace(std::move(survey));
 }
 
@@ -144,28 +149,30 @@ double Simulation::balance_error() const {
 }
 
 const State& Simulation::state() const {
-  if (std::exchange(bodies_ahead_, false)) {
-    collect_own();
-    books_ahead_ = true;
+  show_own();
+  if (std::exchange(shown_, Shown::all) != Shown::all) {
+    const bool loads_follow = bonds_.all_elastic() && !contacts_.are_touches() && !capsules_.any() &&
+                              !terms_.any_touching() && !damping_.is_local();
+    state_.loads = loads_follow ? Loads{} : loads();
+    state_.damping = bodies_.damping.empty() ? Loads{} : bodies_.collect(bodies_.damping);
+    state_.local_damping = bodies_.local_damping.empty() ? Loads{} : bodies_.collect(bodies_.local_damping);
     if (is_part_) gather_owned(state_, own_particles(), own_bonds(), exchange_);
   }
   books();
   return state_;
 }
 
-/// What this process knows of particles, bonds and pairs.
-void Simulation::collect_own() const {
+/// What this process knows of particles, bonds and pairs, but for loads.
+void Simulation::show_own() const {
+  if (shown_ != Shown::nothing) return;
+  shown_ = Shown::own;
+  books_ahead_ = true;  // those of grips are overwritten
   bodies_.write(state_);
   if (bonds_.remembers()) bonds_.collect(state_.bond_history);
   state_.contact_history = contacts_.collect();
   state_.fibre_history = capsules_.collect();
   terms_.write(state_);
   supports_.grips().write(state_);
-  const bool loads_follow = bonds_.all_elastic() && !contacts_.are_touches() && !capsules_.any() &&
-                            !terms_.any_touching() && !damping_.is_local();
-  state_.loads = loads_follow ? Loads{} : loads();
-  state_.damping = bodies_.damping.empty() ? Loads{} : bodies_.collect(bodies_.damping);
-  state_.local_damping = bodies_.local_damping.empty() ? Loads{} : bodies_.collect(bodies_.local_damping);
 }
 
 State Simulation::take_state() && {
@@ -248,13 +255,6 @@ std::vector<BondId> Simulation::bonds_inside(const std::vector<ParticleId>& part
       if (e.is_i && bodies_.order.has(p) && std::binary_search(particles.begin(), particles.end(), e.other))
         inside.push_back(e.bond);
   return inside;
-}
-
-Losses Simulation::losses() const {
-  if (is_part_ && !state_.bond_history.empty()) return losses_of(state());
-  if (bonds_.remembers()) bonds_.collect(state_.bond_history);
-  books();
-  return losses_of(state_);
 }
 
 double Simulation::mean_axial_force(const std::vector<ParticleId>& particles) const {

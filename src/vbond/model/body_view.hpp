@@ -3,6 +3,8 @@
 #include <optional>
 #include <vector>
 
+#include "vbond/model/body_part.hpp"
+#include "vbond/model/bond_sums.hpp"
 #include "vbond/model/grip.hpp"
 #include "vbond/model/loads.hpp"
 #include "vbond/model/losses.hpp"
@@ -16,8 +18,10 @@ namespace vbond {
 struct Survey {
   Energies energies;
   /// Every unbroken bond that is strained or snapped, shorter than half or longer than twice its length at
-  /// rest, and perhaps a few that are close to it, in increasing order.
+  /// rest, and perhaps a few that are close to it, in increasing order. Of a body that several processes
+  /// share, of the bonds of this one.
   std::vector<BondId> deformed;
+  bool any_deformed = false;  ///< anywhere in the body
 };
 
 /// The bonds that a Survey of this state names.
@@ -64,16 +68,19 @@ class BodyView {
   /// Bonds that have broken in this stage of dynamics.
   std::int64_t breaks() const { return known().breaks; }
   const PeakRecord& peak() const { return known().peak; }
-  /// The whole state, in the numbering of the model. Collecting it takes time in motion: not for every step.
+  /// The whole state, in the numbering of the model. Collecting it takes time in motion: not for every step;
+  /// and of a body that several processes share, memory and messages of the size of the body.
   virtual const State& state() const = 0;
+  /// What this process has of it, and all particles nearer than so much to its own: for sums over all. It
+  /// takes less than state(); where processes do not know what is so near, or where bonds that broke end,
+  /// they tell each other.  [length]
+  virtual BodyPart part(double near = 0.0, bool ends_of_broken = false) const = 0;
   /// A sum over all bonds, so not for every step; made once however often it is asked for.
   virtual const Survey& survey() const = 0;
   /// Of these positions and velocities.
   const Energies& energies() const { return survey().energies; }
   /// As of this call. Those of a balance begin with it: its own energy, what flow and breaks have taken.
   virtual const EnergyBooks& books() const = 0;
-  /// What they count as dissipated, by cause. Looks at every bond that remembers something.
-  virtual Losses losses() const = 0;
   /// Relative error of the energy balance: kinetic + potential + dissipated - work - start, over the largest
   /// energy that start and work have brought in so far, at least what moves and what contacts hold now, and a
   /// thousand roundings. 0 at rest.
@@ -94,5 +101,11 @@ class BodyView {
   /// What is shown of the state here without collecting it: all else in it may be old.
   virtual const State& known() const = 0;
 };
+
+/// What its books count as dissipated, by cause. Looks at every bond that remembers something.
+inline Losses losses_of(const BodyView& body) {
+  Losses lost = body.books().lost;
+  return lost += losses_by_flow(body.part());
+}
 
 }  // namespace vbond

@@ -46,11 +46,12 @@ double dissipated_by_flow(const State& state) {
   return sum;
 }
 
-Losses losses_by_flow(const State& state) {
+Losses losses_by_flow(const BodyPart& body) {
+  const State& state = body.state;
   Losses lost;
   for (const BondId k : state.bond_history.ids()) {
     const BondLaw& law = *state.bonds[k].law;
-    if (!law.has_rules || !law.remembers()) continue;
+    if (!law.has_rules || !law.remembers() || !body.has(state.bonds[k].i)) continue;
     const BondRules& rules = *state.bonds[k].rules;
     const BondHistory& history = state.bond_history[k];
     if (law.crack != nullptr) {
@@ -69,6 +70,7 @@ Losses losses_by_flow(const State& state) {
     else if (rules.creep.rate > 0.0)
       lost[Loss::creep] += others;
   }
+  body.all.sum(lost.of);
   return lost;
 }
 

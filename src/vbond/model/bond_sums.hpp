@@ -3,6 +3,7 @@
 #include <cmath>
 #include <vector>
 
+#include "vbond/model/body_part.hpp"
 #include "vbond/model/loads.hpp"
 #include "vbond/model/state.hpp"
 
@@ -50,8 +51,8 @@ inline bool has_lost_its_flow(const BondHistory& h) {
 /// What bonds that yield, creep, soften or rub have dissipated since they were made, broken ones too.
 /// [energy]
 double dissipated_by_flow(const State& state);
-/// The same by cause.
-Losses losses_by_flow(const State& state);
+/// The same by cause, of all parts of a body.
+Losses losses_by_flow(const BodyPart& body);
 /// Books that begin with this state, which holds so much energy.
 EnergyBooks opened_books(const State& state, double energy);
 /// What the books count as dissipated, by cause; the sum differs from it by rounding.

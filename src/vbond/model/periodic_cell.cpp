@@ -48,17 +48,19 @@ Tensor cell_velocity_gradient(const CellEdges& cell) {
   return from_edges({cell[0].rate, cell[1].rate, cell[2].rate}, edges_of(cell));
 }
 
-Tensor cell_stress(const Model& model, const State& s) {
+Tensor cell_stress(const Model& model, const BodyPart& body) {
+  const State& s = body.state;
   Tensor sum;
-  for (const Tensor& t : stress_between_particles(model, s)) sum += transposed(t);
+  for (const Tensor& t : stress_between_particles(model, body)) sum += transposed(t);
   if (!s.v.empty()) {
     const Tensor L = cell_velocity_gradient(s.cell);
     for (const ParticleId p : s.v.ids()) {
+      if (!body.has(p)) continue;
       const Vec3d own = s.v[p] - times(L, s.r[p]);
       sum += dyad(-model.mass[p] * own, own);
     }
   }
-  return (1.0 / volume(s.cell)) * sum;
+  return (1.0 / volume(s.cell)) * body.summed(sum);
 }
 
 std::vector<std::string> stresses_not_reached(const CellDrive& drive, const State& s, double time) {

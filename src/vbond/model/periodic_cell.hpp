@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "vbond/core/tensor.hpp"
+#include "vbond/model/body_part.hpp"
 #include "vbond/model/cell_drive.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
@@ -23,7 +24,7 @@ Tensor cell_velocity_gradient(const CellEdges& cell);
 /// The stress of the body: V stress = sum of F_i (x) r_ij over pairs, less the momentum that the particles'
 /// own velocities carry, the sum of m c (x) c; tension > 0. Elastic forces and friction, no damping of bonds.
 /// Symmetric but for moments on particles that are out of balance.  [force/length^2]
-Tensor cell_stress(const Model& model, const State& state);
+Tensor cell_stress(const Model& model, const BodyPart& body);
 
 /// A sentence for each component whose stress is not what a stage of motion asks for at this time: off by
 /// more than a hundredth of the largest stress, and of what a strain of 1e-4 makes with the servo's modulus.

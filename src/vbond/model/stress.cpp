@@ -27,10 +27,11 @@ Vec3d friction_on(const State& s, ParticleId i, ParticleId j, const Image& of_j)
 }
 
 /// Adds the forces of walls, which act where these are touched.
-void add_walls(const Model& model, const State& s, PerParticle<Tensor>& sum) {
+void add_walls(const Model& model, const BodyPart& body, PerParticle<Tensor>& sum) {
   if (model.walls.empty()) return;
+  const State& s = body.state;
   for (const RestingTouch& t : RestingWalls(model).touches(s))
-    if (t.overlap > 0.0)
+    if (t.overlap > 0.0 && body.has(t.p))
       sum[t.p] += dyad(-t.distance * t.normal, t.force * t.normal + friction_in(memory_of(s, t)));
 }
 
@@ -44,16 +45,17 @@ Tensor inverse(const Tensor& t) {
 
 }  // namespace
 
-PerParticle<Tensor> stress_between_particles(const Model& model, const State& s) {
+PerParticle<Tensor> stress_between_particles(const Model& model, const BodyPart& body) {
+  const State& s = body.state;
   PerParticle<Tensor> sum(model.particles());
   for (const BondId k : s.bonds.ids()) {
     const Bond& b = s.bonds[k];
-    if (b.broken) continue;
+    if (b.broken || !body.has(b.i)) continue;
     const BondPose<double> pose = bond_pose(b, s);
     const Vec3d D_ij = bonded_points(b, pose);
     add_force(b.i, b.j, bond_loads(s, k).F, arm_of_i(b, pose) + 0.5 * D_ij, pose.r_ij, sum);
   }
-  for_touching_pairs(model, s, [&](ParticleId i, ParticleId j, const Image& n, double overlap) {
+  for_touching_pairs(model, body, [&](ParticleId i, ParticleId j, const Image& n, double overlap) {
     const double R_i = model.radius[i], R_j = model.radius[j];
     const Vec3d r_ij = between(s, i, j, n);
     const double distance = norm(r_ij);
@@ -63,6 +65,7 @@ PerParticle<Tensor> stress_between_particles(const Model& model, const State& s)
                            .F;
     add_force(i, j, friction_on(s, i, j, n) - F_n * along, 0.5 * (R_i - R_j + distance) * along, r_ij, sum);
   });
+  if (!body.all.leads()) return sum;  // all parts know all capsules
   for (const auto& [c, p, history] : fibre_touches(model, s)) {
     const double F_n = normal_force(fibre_forms(model.contact),
                                     touch_numbers(model, c.a.i.particle, c.b.i.particle), p.R, p.overlap)
@@ -79,9 +82,9 @@ PerParticle<Tensor> stress_between_particles(const Model& model, const State& s)
   return sum;
 }
 
-PerParticle<Tensor> stress_times_volume(const Model& model, const State& s) {
-  PerParticle<Tensor> sum = stress_between_particles(model, s);
-  add_walls(model, s, sum);
+PerParticle<Tensor> stress_times_volume(const Model& model, const BodyPart& body) {
+  PerParticle<Tensor> sum = stress_between_particles(model, body);
+  add_walls(model, body, sum);
   return sum;
 }
 
@@ -90,23 +93,29 @@ double sphere_volume(const Model& model, ParticleId p) {
   return 4.0 / 3.0 * std::numbers::pi * R * R * R;
 }
 
-Tensor mean_stress(const PerParticle<Tensor>& of_particles, const std::vector<ParticleId>& group,
-                   double volume) {
+Tensor mean_stress(const BodyPart& body, const PerParticle<Tensor>& of_particles,
+                   const std::vector<ParticleId>& group, double volume) {
   Tensor sum;
-  for (const ParticleId p : group) sum += of_particles[p];
-  return (1.0 / volume) * sum;
+  for (const ParticleId p : group) sum += of_particles[p];  // of others', too, what is made of it here
+  return (1.0 / volume) * body.summed(sum);
 }
 
-Tensor mean_strain(const Model& model, const State& s, const std::vector<ParticleId>& group) {
+Tensor mean_strain(const Model& model, const BodyPart& body, const std::vector<ParticleId>& group) {
+  const State& s = body.state;
   Vec3d before, now;
-  for (const ParticleId p : group) before += model.r_0[p], now += s.r[p];
-  before = before / static_cast<double>(group.size()), now = now / static_cast<double>(group.size());
+  for (const ParticleId p : group) {
+    before += model.r_0[p];
+    if (body.has(p)) now += s.r[p];
+  }
+  before = before / static_cast<double>(group.size()),
+  now = body.summed(now) / static_cast<double>(group.size());
   Tensor of_start, across;
   for (const ParticleId p : group) {
     const Vec3d X = model.r_0[p] - before;
     of_start += dyad(X, X);
-    across += dyad(X, s.r[p] - now);
+    if (body.has(p)) across += dyad(X, s.r[p] - now);
   }
+  across = body.summed(across);
   // across = of_start F^T; rows of F^T are those of inverse(of_start) across
   const Tensor columns = transposed(across), inverted = inverse(of_start);
   Tensor F;  // row a: F_ab

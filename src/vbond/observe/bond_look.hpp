@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -35,8 +36,13 @@ inline RangeCounts count_ranges(const State& s) {
 
 /// Counts among all bonds; only the deformed ones are looked at, so without any this is free.
 inline RangeCounts count_ranges(const BodyView& body) {
-  const std::vector<BondId>& deformed = body.survey().deformed;
-  return deformed.empty() ? RangeCounts{} : count_ranges(body.state(), deformed);
+  const Survey& survey = body.survey();
+  if (!survey.any_deformed) return {};
+  const BodyPart part = body.part();
+  const RangeCounts here = count_ranges(part.state, survey.deformed);
+  std::array<double, 2> sums{static_cast<double>(here.strained), static_cast<double>(here.snapped)};
+  part.all.sum(sums);
+  return {static_cast<std::int64_t>(sums[0]), static_cast<std::int64_t>(sums[1])};
 }
 
 /// How many bonds have broken; those that rub from then on, too.

@@ -192,7 +192,15 @@ void write_bonds_vtp(const fs::path& path, const State& state, UnitSystem units,
 }
 
 void write_part(const fs::path& folder, int part, const Simulation& run, FrameFormat format) {
-  const auto [particles, bonds, state] = run.own_part();
+  const BodyPart own = run.part(0.0, true);
+  const State& state = own.state;
+  const auto is_here = [&own](ParticleId p) { return own.has(p) && !is_absent(own.state, p); };
+  std::vector<ParticleId> particles;
+  for (const ParticleId p : state.r.ids())
+    if (is_here(p)) particles.push_back(p);
+  std::vector<BondId> bonds;
+  for (const BondId k : state.bonds.ids())
+    if (is_here(state.bonds[k].i)) bonds.push_back(k);
   const double time = state.clock.time();
   const std::int64_t step = state.clock.step;
   VtpFile file = file_of_particles(particles, run.model(), state, of_parts(format));

@@ -11,38 +11,56 @@
 
 #include "vbond/core/images.hpp"
 #include "vbond/model/periodic_cell.hpp"
+#include "vbond/model/present.hpp"
 #include "vbond/observe/bond_look.hpp"
 #include "vbond/observe/quantities.hpp"
 
 namespace vbond {
 namespace {
 
-Vec3d mean_displacement(const Group& group, const Model& model, const State& state) {
+Vec3d mean_displacement(const Group& group, const Model& model, const BodyPart& body) {
   Vec3d sum;
-  for (const ParticleId p : group.particles) sum += state.r[p] - first_place(model, state, p);
-  return sum / static_cast<double>(group.particles.size());
-}
-
-Vec3d mean_velocity(const Group& group, const State& state) {
-  const std::vector<ParticleId> without = left_out(state);
-  Vec3d sum;
-  std::size_t count = 0;
   for (const ParticleId p : group.particles)
-    if (!std::binary_search(without.begin(), without.end(), p)) sum += state.v[p], ++count;
-  return count > 0 ? sum / static_cast<double>(count) : Vec3d{};
+    if (body.has(p)) sum += body.state.r[p] - first_place(model, body.state, p);
+  return body.summed(sum) / static_cast<double>(group.particles.size());
 }
 
-void add_stresses(const OutputPlan& plan, const Model& model, const State& state, HistoryValues& to) {
-  const PerParticle<Tensor> stress = stress_times_volume(model, state);
+Vec3d mean_velocity(const Group& group, const BodyPart& body) {
+  const std::vector<ParticleId> without = left_out(body.state);
+  Vec3d sum;
+  std::size_t count = 0;  // in all parts
+  for (const ParticleId p : group.particles) {
+    if (std::binary_search(without.begin(), without.end(), p)) continue;
+    if (body.has(p)) sum += body.state.v[p];
+    ++count;
+  }
+  return count > 0 ? body.summed(sum) / static_cast<double>(count) : Vec3d{};
+}
+
+void add_stresses(const OutputPlan& plan, const Model& model, const BodyPart& body, HistoryValues& to) {
+  const PerParticle<Tensor> stress = stress_times_volume(model, body);
   for (const StressedGroup& g : plan.stresses) {
-    to.stresses.push_back(symmetric_part(mean_stress(stress, g.group.particles, g.volume)));
+    to.stresses.push_back(symmetric_part(mean_stress(body, stress, g.group.particles, g.volume)));
     const bool some_come_in = std::any_of(g.group.particles.begin(), g.group.particles.end(),
                                           [&model](ParticleId p) { return comes_in(model, p); });
     SymmetricParts strain;  // of particles that come in there is none: they had no places at the start
     strain.fill(std::numeric_limits<double>::quiet_NaN());
-    to.strains.push_back(some_come_in ? strain
-                                      : symmetric_part(mean_strain(model, state, g.group.particles)));
+    to.strains.push_back(some_come_in ? strain : symmetric_part(mean_strain(model, body, g.group.particles)));
   }
+}
+
+/// What particles are asked for one by one.
+void add_means(const OutputPlan& plan, const BodyView& body, HistoryValues& to) {
+  const bool stresses = plan.cell || !plan.stresses.empty();
+  if (!stresses && plan.displacements.empty() && plan.velocities.empty()) return;
+  const Model& model = body.model();
+  const BodyPart part =
+      body.part(stresses && particles_touch(model.contact) ? reach_of_overlaps(model) : 0.0);
+  if (plan.cell) to.cell = cell_values(model, part);
+  for (const Group& g : plan.displacements) to.displacements.push_back(mean_displacement(g, model, part));
+  if (body.balance() == nullptr)
+    for (const Group& g : plan.velocities) to.velocities.push_back(mean_velocity(g, part));
+  if (!plan.stresses.empty()) add_stresses(plan, model, part, to);
 }
 
 /// The columns of a group or a wall.
@@ -68,7 +86,7 @@ std::vector<std::optional<GripView>> grips_of(const OutputPlan& plan, const std:
 std::vector<double> losses_of(const OutputPlan& plan, const BodyView& body) {
   std::vector<double> parts;
   if (plan.losses.empty()) return parts;
-  const Losses lost = body.losses();
+  const Losses lost = losses_of(body);
   for (const Loss cause : plan.losses) parts.push_back(lost[cause]);
   return parts;
 }
@@ -102,13 +120,14 @@ void take_up(const Vec3d& force, std::optional<double>& largest) {
 
 }  // namespace
 
-CellValues cell_values(const Model& model, const State& state) {
+CellValues cell_values(const Model& model, const BodyPart& body) {
+  const State& state = body.state;
   CellValues of{.volume = volume(state.cell)};
   for (const ParticleId p : model.mass.ids())
     if (!is_absent(state, p)) of.density += model.mass[p] / of.volume;
   of.strain = cell_components(cell_gradient(model.cell, state.cell));
   for (std::size_t k = 0; k < 3; ++k) of.strain[k] -= 1.0;
-  of.stress = symmetric_part(cell_stress(model, state));
+  of.stress = symmetric_part(cell_stress(model, body));
   return of;
 }
 
@@ -164,15 +183,11 @@ HistoryValues history_values(const OutputPlan& plan, const BodyView& body) {
       .stresses = {},
       .strains = {},
       .walls = body.walls(),
-      .cell = plan.cell ? std::optional(cell_values(body.model(), body.state())) : std::nullopt,
+      .cell = {},
       .grips = plan.grips.empty() ? std::vector<std::optional<GripView>>{} : grips_of(plan, body.grips())};
   for (const Group& g : plan.reactions) values.reactions.push_back(body.reaction(g.particles));
   for (const Group& g : plan.axial_force) values.axial_force.push_back(body.mean_axial_force(g.particles));
-  for (const Group& g : plan.displacements)
-    values.displacements.push_back(mean_displacement(g, body.model(), body.state()));
-  if (!at_rest)
-    for (const Group& g : plan.velocities) values.velocities.push_back(mean_velocity(g, body.state()));
-  if (!plan.stresses.empty()) add_stresses(plan, body.model(), body.state(), values);
+  add_means(plan, body, values);
   return values;
 }
 

@@ -20,7 +20,7 @@ struct CellValues {
   SymmetricParts stress{};  ///< Cauchy's, tension > 0  [stress]
   friend bool operator==(const CellValues&, const CellValues&) = default;
 };
-CellValues cell_values(const Model& model, const State& state);
+CellValues cell_values(const Model& model, const BodyPart& body);
 
 /// What a row of history.csv is made of: see quantities.hpp for its columns.
 struct HistoryValues {
@@ -49,8 +49,7 @@ struct HistoryValues {
   std::vector<std::optional<GripView>> grips;  ///< one per OutputPlan::grips; nothing: not in this stage
 };
 
-/// The values of a body as it stands. Collects the particles only for displacements, velocities, stresses,
-/// strained bonds, and losses of bonds that remember.
+/// The values of a body as it stands, by sums over what each process has: nobody asks for the whole state.
 HistoryValues history_values(const OutputPlan& plan, const BodyView& body);
 
 }  // namespace vbond

@@ -13,8 +13,14 @@
 namespace vbond {
 namespace {
 
+std::string name_of(BondId k, ParticleId i, ParticleId j) {
+  return fmt::format("bond {} (particles {}, {})", k.value, i.value, j.value);
+}
 std::string name_of(BondId k, const Bond& b) {
-  return fmt::format("bond {} (particles {}, {})", k.value, b.i.value, b.j.value);
+  return name_of(k, b.i, b.j);
+}
+std::string name_of(const SeenBond& b) {
+  return name_of(b.bond, b.i, b.j);
 }
 
 bool is_finite(const Energies& e) {
@@ -41,13 +47,27 @@ double angle(const Vec3d& a, const Vec3d& b) {
   return 180.0 / std::numbers::pi * std::atan2(norm(cross(a, b)), dot(a, b));
 }
 
-/// The angles that a bond is judged by, for a report.
-std::string angles_of(BondId k, const State& s) {
+SeenBond seen(BondId k, const State& s) {
+  const Bond& b = s.bonds[k];
   const BondPose<double> pose = elastic_pose(s, k);
+  const BondShape shape = bond_shape(pose, 0.0, 0.0);
   const Vec3d& D = pose.r_ij;
-  return fmt::format("its ends are tilted by {:.1f} and {:.1f} degrees and twisted by {:.1f}",
-                     angle(D, pose.n_i[0]), angle(-D, pose.n_j[0]),
-                     180.0 / std::numbers::pi * bond_shape(pose, 0.0, 0.0).twist);
+  return {.bond = k,
+          .i = b.i,
+          .j = b.j,
+          .a = b.a,
+          .length = shape.length,
+          .range = bond_range(b, shape),
+          .strained_past = b.law->strained_past,
+          .tilt_i = angle(D, pose.n_i[0]),
+          .tilt_j = angle(-D, pose.n_j[0]),
+          .twist = 180.0 / std::numbers::pi * shape.twist};
+}
+
+/// The angles that a bond is judged by, for a report.
+std::string angles_of(const SeenBond& b) {
+  return fmt::format("its ends are tilted by {:.1f} and {:.1f} degrees and twisted by {:.1f}", b.tilt_i,
+                     b.tilt_j, b.twist);
 }
 
 /// Names the first thing that is not finite.
@@ -84,7 +104,10 @@ Watch::Watch(double energy_error, Tell tell, WatchRecord record)
 
 void Watch::look(const Survey& survey, double balance_error, const CollectState& collect,
                  const std::function<std::string()>& suspect) {
-  look(survey, balance_error, collect, time_of, suspect);
+  require_sound(survey, balance_error, collect, suspect);
+  if (survey.deformed.empty()) return;
+  const State& state = collect();
+  for (const BondId k : survey.deformed) look_at_bond(seen(k, state), state.clock, time_of(state.clock));
 }
 
 std::string Watch::in_wall(const Model& model, const std::vector<DeepInWall>& deep) {
@@ -101,24 +124,20 @@ std::string Watch::time_of(const Clock& clock) {
   return fmt::format("t = {:.6g}", clock.time());
 }
 
-void Watch::look(const Survey& survey, double balance_error, const CollectState& collect,
-                 const std::function<std::string(const Clock&)>& when,
-                 const std::function<std::string()>& suspect) {
+void Watch::require_sound(const Survey& survey, double balance_error, const CollectState& collect,
+                          const std::function<std::string()>& suspect) const {
   const bool finite = is_finite(survey.energies), balanced = std::abs(balance_error) <= energy_error_;
-  if (finite && balanced && survey.deformed.empty()) return;
-  const State& state = collect();
+  if (finite && balanced) return;
+  const State& state = collect();  // the run ends here
   if (!finite) blame_not_finite(state);
-  if (!balanced) {
-    const std::string cause = suspect ? suspect() : "";
-    throw Diverged(state.clock.step, state.clock.time(), cause.empty() ? most_loaded(state) : cause,
-                   fmt::format("the energy balance is off by {:.3g} of the energy in the run, more than "
-                               "watch.energy_error = {:g}",
-                               balance_error, energy_error_),
-                   cause.empty()
-                       ? smaller_step + std::string("; raise watch.energy_error only if the jump is expected")
-                       : "use a stiffer contact, lower velocities and loads, or a smaller time.step");
-  }
-  for (const BondId k : survey.deformed) look_at_bond(k, state, when(state.clock));
+  const std::string cause = suspect ? suspect() : "";
+  throw Diverged(state.clock.step, state.clock.time(), cause.empty() ? most_loaded(state) : cause,
+                 fmt::format("the energy balance is off by {:.3g} of the energy in the run, more than "
+                             "watch.energy_error = {:g}",
+                             balance_error, energy_error_),
+                 cause.empty()
+                     ? smaller_step + std::string("; raise watch.energy_error only if the jump is expected")
+                     : "use a stiffer contact, lower velocities and loads, or a smaller time.step");
 }
 
 std::string Watch::when(const BodyView& body) {
@@ -127,9 +146,18 @@ std::string Watch::when(const BodyView& body) {
 }
 
 void Watch::look(const BodyView& body, const std::function<std::string()>& suspect) {
-  look(
-      body.survey(), body.balance_error(), [&body]() -> const State& { return body.state(); },
-      [&body](const Clock&) { return when(body); }, suspect);
+  const Survey& survey = body.survey();
+  require_sound(
+      survey, body.balance_error(), [&body]() -> const State& { return body.state(); }, suspect);
+  if (survey.any_deformed) {
+    const BodyPart part = body.part();
+    std::vector<SeenBond> news;
+    for (const BondId k : survey.deformed)
+      if (const SeenBond b = seen(k, part.state); is_news(b)) news.push_back(b);
+    news = part.all.gather(news);
+    std::sort(news.begin(), news.end(), [](const auto& x, const auto& y) { return x.bond < y.bond; });
+    for (const SeenBond& b : news) look_at_bond(b, body.clock(), when(body));
+  }
   look_at_handover(body);
 }
 
@@ -141,7 +169,7 @@ void Watch::look_at_handover(const BodyView& body) {
   if (told_handover_ || !(gained > 0.0)) return;
   const double energy = body.energies().total();
   if (!(gained > much * energy)) return;
-  const PerBond<Bond>& bonds = body.state().bonds;
+  const PerBond<Bond>& bonds = body.bonds();
   const auto parted = [](const Bond& b) { return b.broken && b.law->crack != nullptr; };
   if (std::none_of(bonds.begin(), bonds.end(), parted)) return;
   told_handover_ = true;
@@ -169,39 +197,42 @@ void Watch::look_at_servos(const Simulation& run) {
   }
 }
 
-void Watch::look_at_bond(BondId k, const State& state, const std::string& when) {
-  constexpr double closed_up = 1e-6;  // of a: d = D / |D| has lost its meaning
-  const Bond& b = state.bonds[k];
-  const BondShape shape = bond_shape(state, k);
-  if (!(shape.length >= closed_up * b.a))
-    throw Diverged(state.clock.step, state.clock.time(), name_of(k, b),
+/// Whether look_at_bond() has something to say of it.
+bool Watch::is_news(const SeenBond& b) const {
+  const BondRecord before = b.bond.value < record_.bonds.size() ? record_.bonds[b.bond] : BondRecord{};
+  return b.has_closed_up() || (b.is_stretched() && !record_.stretched.contains(b.bond)) ||
+         (b.is_short() && !before.was_short) || b.range > before.worst;
+}
+
+void Watch::look_at_bond(const SeenBond& b, const Clock& clock, const std::string& when) {
+  const BondId k = b.bond;
+  if (b.has_closed_up())
+    throw Diverged(clock.step, clock.time(), name_of(b),
                    fmt::format("its bonded points are {:.3g} apart, it has closed up (length at rest {:.6g})",
-                               shape.length, b.a),
+                               b.length, b.a),
                    "use smaller loads or velocities, a stiffer bond or a contact law; a smaller time.step "
                    "if the energy balance was already off");
-  if (shape.length > 2.0 * b.a && record_.stretched.insert(k).second) {
+  if (b.is_stretched() && record_.stretched.insert(k).second) {
     auto count = static_cast<std::int64_t>(record_.stretched.size()) - 1;
     report(count, untold_stretched_,
-           fmt::format("{}: {} is longer than twice its length at rest: {:.4g} of {:.4g}", when,
-                       name_of(k, b), shape.length, b.a));
+           fmt::format("{}: {} is longer than twice its length at rest: {:.4g} of {:.4g}", when, name_of(b),
+                       b.length, b.a));
   }
-  const bool is_short = shape.length < 0.5 * b.a;
-  const BondRange range = bond_range(b, shape);
-  if (!is_short && range == BondRange::good) return;
+  if (!b.is_short() && b.range == BondRange::good) return;
   if (record_.bonds.size() <= k.value) record_.bonds.resize(k.value + std::size_t{1});
   BondRecord& seen = record_.bonds[k];
-  if (is_short && !std::exchange(seen.was_short, true))
+  if (b.is_short() && !std::exchange(seen.was_short, true))
     report(record_.shortened, untold_shortened_,
-           fmt::format("{}: {} is shorter than half its length at rest: {:.4g} of {:.4g}", when,
-                       name_of(k, b), shape.length, b.a));
-  if (range <= seen.worst) return;
-  seen.worst = range;
-  const bool snapped = range == BondRange::snapped;
+           fmt::format("{}: {} is shorter than half its length at rest: {:.4g} of {:.4g}", when, name_of(b),
+                       b.length, b.a));
+  if (b.range <= seen.worst) return;
+  seen.worst = b.range;
+  const bool snapped = b.range == BondRange::snapped;
   report(snapped ? record_.snapped : record_.strained, snapped ? untold_snapped_ : untold_strained_,
-         fmt::format("{}: {} {}: {}", when, name_of(k, b),
+         fmt::format("{}: {} {}: {}", when, name_of(b),
                      snapped ? "has snapped, past 90 degrees"
-                             : fmt::format("is strained, past {} degrees", b.law->strained_past),
-                     angles_of(k, state)));
+                             : fmt::format("is strained, past {} degrees", b.strained_past),
+                     angles_of(b)));
 }
 
 void Watch::report(std::int64_t& count, std::int64_t& untold, const std::string& text) {

@@ -22,6 +22,21 @@ struct BondRecord {
   friend bool operator==(const BondRecord&, const BondRecord&) = default;
 };
 
+/// A bond as it stands, for those who judge it.
+struct SeenBond {
+  BondId bond;
+  ParticleId i, j;
+  double a = 0, length = 0;  ///< at rest and now  [length]
+  BondRange range = BondRange::good;
+  double strained_past = 0;                  ///< of its law  [degrees]
+  double tilt_i = 0, tilt_j = 0, twist = 0;  ///< of its ends  [degrees]
+
+  /// |D| is less than a millionth of a, so that d = D / |D| has lost its meaning; or not a number.
+  bool has_closed_up() const { return !(length >= 1e-6 * a); }
+  bool is_stretched() const { return length > 2.0 * a; }
+  bool is_short() const { return length < 0.5 * a; }
+};
+
 /// Where two particles, i < j, came deep in one another, and the last step at which they still were.
 struct DeepPair {
   ParticleId i, j;
@@ -70,7 +85,8 @@ class Watch {
   /// suspect: asked if the balance is off, for what may be the cause (in_wall); empty: nothing is known.
   void look(const Survey& survey, double balance_error, const CollectState& state,
             const std::function<std::string()>& suspect = {});
-  /// The same of a body; reports of a balance say which load factor, not when.
+  /// The same of a body; reports of a balance say which load factor, not when. Of a body that several
+  /// processes share, each looks at its own bonds, and all are told what is new.
   void look(const BodyView& body, const std::function<std::string()>& suspect = {});
   /// The particle that is deepest in a wall, in words; empty if there is none.
   static std::string in_wall(const Model& model, const std::vector<DeepInWall>& deep);
@@ -79,7 +95,7 @@ class Watch {
   /// overlapped by at model.r_0, each pair once. part > 0; particles without radius overlap nothing. For
   /// looks now and then: it sorts all particles into cells.
   void look_at_overlaps(const Model& model, const State& state, double part) {
-    look_at_overlaps(model, state, part, time_of(state.clock));
+    look_at_overlaps(model, BodyPart(state), part, time_of(state.clock));
   }
   void look_at_overlaps(const BodyView& body, double part);
   /// The same of capsules.
@@ -110,13 +126,12 @@ class Watch {
   const WatchRecord& record() const { return record_; }
 
  private:
-  /// when: how a report begins, e.g. "t = 120".
-  void look(const Survey& survey, double balance_error, const CollectState& state,
-            const std::function<std::string(const Clock&)>& when,
-            const std::function<std::string()>& suspect);
   void look_at_handover(const BodyView& body);
-  void look_at_bond(BondId k, const State& state, const std::string& when);
-  void look_at_overlaps(const Model& model, const State& state, double part, const std::string& when);
+  void require_sound(const Survey& survey, double balance_error, const CollectState& state,
+                     const std::function<std::string()>& suspect) const;
+  bool is_news(const SeenBond& bond) const;
+  void look_at_bond(const SeenBond& bond, const Clock& clock, const std::string& when);
+  void look_at_overlaps(const Model& model, const BodyPart& body, double part, const std::string& when);
   void report_overlap(const Model& model, ParticleId i, ParticleId j, double depth, const std::string& when);
   /// How reports begin: with the time, and of a balance with its load factor.
   static std::string time_of(const Clock& clock);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "vbond/core/error.hpp"
@@ -22,12 +23,13 @@ namespace {
 struct Overlap {
   ParticleId i, j;
   Image of_j;
-  double depth;
+  double depth = 0;
 };
 
 /// Pairs that overlap by more than this part of the smaller radius beyond what they did at r_0, and are not
-/// bonded. Few, so that bonds are asked last.
-std::vector<Overlap> new_overlaps(const Model& m, const State& s, double part) {
+/// bonded, of those of this process. Few, so that bonds are asked last.
+std::vector<Overlap> own_overlaps(const Model& m, const BodyPart& body, double part) {
+  const State& s = body.state;
   std::vector<Overlap> found;
   if (m.particles() < 2 && s.cell.empty()) return found;
   const CellEdges at_start = cell_at_start(m);
@@ -40,7 +42,7 @@ std::vector<Overlap> new_overlaps(const Model& m, const State& s, double part) {
         stood_together(m, i, j) ? std::max(0.0, R_i + R_j - norm(between(m.r_0, at_start, i, j, n))) : 0.0;
     if (depth > at_first + allowed) found.push_back({i, j, n, depth});
   };
-  for_overlapping_present(m, s, 0.0, look);
+  for_overlapping_present(m, body, 0.0, look);
   if (found.empty()) return found;
   std::set<std::tuple<ParticleId, ParticleId, Image>> bonded;  // seen from either end
   for (const Bond& b : s.bonds)
@@ -53,6 +55,15 @@ std::vector<Overlap> new_overlaps(const Model& m, const State& s, double part) {
                                return bonded.count({o.i, o.j, o.of_j}) > 0;
                              }),
               found.end());
+  return found;
+}
+
+/// The same of all processes, in the order of particles.
+std::vector<Overlap> new_overlaps(const Model& m, const BodyPart& body, double part) {
+  std::vector<Overlap> found = body.all.gather(own_overlaps(m, body, part));
+  std::sort(found.begin(), found.end(), [](const Overlap& a, const Overlap& b) {
+    return std::tuple(a.i, a.j, a.of_j) < std::tuple(b.i, b.j, b.of_j);
+  });
   return found;
 }
 
@@ -110,12 +121,13 @@ Diverged passed(const Model& m, const Encounter& e, double nearest, const State&
 }  // namespace
 
 void Watch::look_at_overlaps(const BodyView& body, double part) {
-  look_at_overlaps(body.model(), body.state(), part, when(body));
+  const Model& model = body.model();
+  look_at_overlaps(model, body.part(reach_of_overlaps(model)), part, when(body));
 }
 
-void Watch::look_at_overlaps(const Model& model, const State& state, double part, const std::string& when) {
-  for (const Overlap& o : new_overlaps(model, state, part)) report_overlap(model, o.i, o.j, o.depth, when);
-  const auto ring = ring_of_contact(model, state);
+void Watch::look_at_overlaps(const Model& model, const BodyPart& body, double part, const std::string& when) {
+  for (const Overlap& o : new_overlaps(model, body, part)) report_overlap(model, o.i, o.j, o.depth, when);
+  const auto ring = ring_of_contact(model, body.state);  // all processes know all capsules
   if (!ring || !record_.overlapping.insert(std::minmax(ring->i, ring->j)).second) return;
   auto count = static_cast<std::int64_t>(record_.overlapping.size()) - 1;
   report(count, untold_overlapping_,

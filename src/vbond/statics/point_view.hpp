@@ -16,8 +16,12 @@ class PointView final : public BodyView {
 
   const Model& model() const override { return model_; }
   const State& state() const override { return point_.state; }
+  BodyPart part(double /*near*/, bool /*ends_of_broken*/) const override { return state(); }
   const Survey& survey() const override {
-    if (!survey_) survey_ = {point_.energies, deformed_bonds(state())};
+    if (!survey_) {
+      survey_ = {point_.energies, deformed_bonds(state())};
+      survey_->any_deformed = !survey_->deformed.empty();
+    }
     return *survey_;
   }
   const EnergyBooks& books() const override {
@@ -27,7 +31,6 @@ class PointView final : public BodyView {
                 .released = point_.released};
     return *books_;
   }
-  Losses losses() const override { return losses_by_flow(state()); }
   double balance_error() const override { return 0.0; }
   Reaction reaction(const std::vector<ParticleId>& particles) const override {
     return point_.reaction(particles);

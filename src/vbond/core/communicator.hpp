@@ -1,0 +1,58 @@
+#pragma once
+#include <cstddef>
+#include <functional>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+namespace vbond {
+
+/// Processes that share a body, as one of them sees the others. All call these functions in the same order,
+/// and wait for each other. As it stands, of one process, which has nobody to wait for; those of several
+/// override all that is virtual.
+class Communicator {
+ public:
+  Communicator() = default;
+  virtual ~Communicator() = default;
+  Communicator(const Communicator&) = delete;
+  Communicator& operator=(const Communicator&) = delete;
+
+  /// Numbers become the sum, or the largest, of those of all processes.
+  virtual void sum(std::span<double> /*numbers*/) const {}
+  virtual void max(std::span<double> /*numbers*/) const {}
+  /// How many processes there are, and which of them this is, from 0.
+  virtual int ranks() const { return 1; }
+  virtual int rank() const { return 0; }
+  /// Whether this process does what one of them must do for all.
+  bool leads() const { return rank() == 0; }
+  /// What all processes have, in their order. room(n) is where n bytes of it go.
+  using Room = std::function<std::byte*(std::size_t)>;
+  virtual void gather_bytes(std::span<const std::byte> mine, const Room& room) const;
+
+  template <class T>
+  std::vector<T> gather(const std::vector<T>& mine) const {
+    static_assert(std::is_trivially_copyable_v<T>);
+    std::vector<T> all;
+    gather_bytes(std::as_bytes(std::span(mine)), [&all](std::size_t bytes) {
+      all.resize(bytes / sizeof(T));
+      return std::as_writable_bytes(std::span(all)).data();
+    });
+    return all;
+  }
+  bool any(bool here) const {
+    double number = here ? 1.0 : 0.0;
+    max({&number, 1});
+    return number != 0.0;
+  }
+  /// What the process that leads says, on all of them.
+  bool leader_says(bool here) const { return any(leads() && here); }
+
+  /// Does work that some processes may fail at alone, such as writing: if it throws std::runtime_error on
+  /// some, the others throw IoError with what the first of these says. Any other exception ends the program.
+  virtual void together(const std::function<void()>& work) const { work(); }
+};
+
+/// The one process of a body that is not shared.
+const Communicator& alone();
+
+}  // namespace vbond

@@ -1,0 +1,55 @@
+#pragma once
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "vbond/core/communicator.hpp"
+#include "vbond/core/tensor.hpp"
+#include "vbond/model/state.hpp"
+
+namespace vbond {
+
+/// What one process sees of a body that several may share: sums over what is its own, added up, are of the
+/// whole body. Each particle is the own one of one process, and a bond that of its first particle; a pair
+/// that touches is that of its lower number. One process that has the whole body owns all of it.
+class BodyPart {
+ public:
+  /// The whole body. Keeps a reference.
+  BodyPart(const State& whole) : state(whole), all(alone()) {}
+  /// A part: own says of each particle whether it is, near are those that the state shows. Keeps references.
+  BodyPart(const State& shown, const PerParticle<char>& own, std::vector<ParticleId> near_ones,
+           const Communicator& processes)
+      : state(shown), all(processes), near(std::move(near_ones)), own_(&own) {}
+
+  /// Of a part up to date for its own particles and bonds, both ends of these while they hold, and particles
+  /// that are near; what pairs and walls remember is of its own ones.
+  const State& state;
+  const Communicator& all;
+  /// Of a part its own particles that are present, and all others that may be nearer to them than was asked
+  /// for, in increasing order; nobody where no distance was asked for.
+  std::vector<ParticleId> near;
+
+  bool is_whole() const { return own_ == nullptr; }
+  bool has(ParticleId p) const { return own_ == nullptr || (*own_)[p] != 0; }
+
+  /// The sum of what all processes have.
+  Vec3d summed(const Vec3d& here) const {
+    std::array<double, 3> x{here.x, here.y, here.z};
+    all.sum(x);
+    return {x[0], x[1], x[2]};
+  }
+  Tensor summed(const Tensor& here) const {
+    std::array<double, 9> x{};
+    for (std::size_t a = 0; a < 3; ++a)
+      x[3 * a] = here.row[a].x, x[3 * a + 1] = here.row[a].y, x[3 * a + 2] = here.row[a].z;
+    all.sum(x);
+    Tensor sum;
+    for (std::size_t a = 0; a < 3; ++a) sum.row[a] = {x[3 * a], x[3 * a + 1], x[3 * a + 2]};
+    return sum;
+  }
+
+ private:
+  const PerParticle<char>* own_ = nullptr;
+};
+
+}  // namespace vbond

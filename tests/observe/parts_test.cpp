@@ -1,0 +1,261 @@
+// Observers of a body in parts: sums over what each process has of it are what one process sees of the whole,
+// and nobody collects the whole body for them. The processes are threads here, and the body stands still.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <barrier>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <thread>
+#include <variant>
+#include <vector>
+
+#include "dynamics/spheres_and_walls.hpp"
+#include "vbond/model/capsules.hpp"
+#include "vbond/model/touching.hpp"
+#include "vbond/observe/history.hpp"
+#include "vbond/observe/watch.hpp"
+
+namespace vbond::parts_test {
+namespace {
+
+using testing::Specimen;
+
+struct Meeting {
+  explicit Meeting(std::size_t processes)
+      : all_here(static_cast<std::ptrdiff_t>(processes)), numbers(processes), bytes(processes) {}
+  std::barrier<> all_here;
+  std::vector<std::vector<double>> numbers;
+  std::vector<std::span<const std::byte>> bytes;
+};
+
+/// A ghost that is an image, and where its particle is.
+struct ImageRow {
+  std::size_t row;
+  Image image;
+  Vec3d r;
+};
+
+/// Ghosts have what the state has that each begins with, images their places: nothing moves.
+class Process final : public Exchange {
+ public:
+  Process(Meeting& meeting, std::size_t rank) : meeting_(meeting), rank_(rank) {}
+
+  void halo(const HaloColumns& columns) override {
+    for (const ImageRow& g : images) {
+      columns.pose[g.row].r = g.r;
+      columns.carry(g.row, g.image);
+    }
+  }
+  void reverse_sum(std::span<LoadRow>) override {}
+  void sum(std::span<double> x) const override {
+    combine(x, [](double a, double b) { return a + b; });
+  }
+  void max(std::span<double> x) const override {
+    combine(x, [](double a, double b) { return std::max(a, b); });
+  }
+  int ranks() const override { return static_cast<int>(meeting_.bytes.size()); }
+  int rank() const override { return static_cast<int>(rank_); }
+  void gather_bytes(std::span<const std::byte> mine, const Room& room) const override {
+    meeting_.bytes[rank_] = mine;
+    meeting_.all_here.arrive_and_wait();
+    std::size_t size = 0;
+    for (const auto& b : meeting_.bytes) size += b.size();
+    largest_gather = std::max(largest_gather, size);
+    std::byte* to = room(size);
+    for (const auto& b : meeting_.bytes) {
+      if (!b.empty()) std::memcpy(to, b.data(), b.size());
+      to += b.size();
+    }
+    meeting_.all_here.arrive_and_wait();
+  }
+
+  std::vector<ImageRow> images;
+  mutable std::size_t largest_gather = 0;  ///< of all processes together  [bytes]
+
+ private:
+  template <class Op>
+  void combine(std::span<double> x, Op op) const {
+    meeting_.numbers[rank_].assign(x.begin(), x.end());
+    meeting_.all_here.arrive_and_wait();
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      x[k] = meeting_.numbers[0][k];
+      for (std::size_t rank = 1; rank < meeting_.numbers.size(); ++rank)
+        x[k] = op(x[k], meeting_.numbers[rank][k]);
+    }
+    meeting_.all_here.arrive_and_wait();
+  }
+  Meeting& meeting_;
+  std::size_t rank_;
+};
+
+/// A bar of particles on a floor, bonded at random to neighbours by bonds that yield, each somewhat out of
+/// its place, some far; one was taken out.
+Specimen random_bar(unsigned seed, bool touches, bool periodic) {
+  testing::Dice dice(seed);
+  std::vector<Vec3d> r;
+  for (std::size_t k = 0; k < 288; ++k)
+    r.push_back({static_cast<double>(k / 12), static_cast<double>(k % 4), static_cast<double>(k / 4 % 3)});
+  Specimen s = testing::particles_at(r, 0.45);
+  if (touches)
+    s.model.contact = testing::linear(1.0, 0.4, 0.7), s.model.contact.pairs = ContactPairs::unbonded;
+  if (touches && !periodic) s.model.walls = {testing::floor_at(-0.44)};
+  if (periodic) {
+    s.model.cell.edges = {Vec3d{24.2, 0.3, 0.0}, {0.2, 4.1, 0.1}, {0.0, -0.1, 3.0}};
+    s.model.cell.periodic = {true, true, true};
+    s.state.cell = cell_at_start(s.model);
+  }
+  BondRecipe recipe = testing::papers_bond();
+  recipe.rules.yield.limit.axial = 0.01;
+  const std::size_t taken = dice.below(r.size());
+  for (std::size_t i = 0; i < r.size(); ++i)
+    for (std::size_t j = i + 1; j < r.size(); ++j)
+      if (i != taken && j != taken && norm(r[j] - r[i]) < 1.1 && dice.chance(0.7)) {
+        const bool turned = dice.chance(0.5);
+        testing::bond(s, turned ? j : i, turned ? i : j, recipe);
+      }
+  s.state.bond_history.resize(s.state.bonds.size());
+  for (const ParticleId p : s.state.r.ids()) {
+    s.state.r[p] += dice.vector(dice.chance(0.1) ? 0.3 : 0.03);
+    s.state.q[p] = rotation_of(dice.vector(dice.chance(0.03) ? 1.5 : 0.1));
+    s.state.v[p] = dice.vector(0.1), s.state.omega[p] = dice.vector(0.1);
+  }
+  s.state.dropped = s.state.taken = {ParticleId{taken}};
+  s.state.v[ParticleId{taken}] = s.state.omega[ParticleId{taken}] = {};
+  return s;
+}
+
+OutputPlan plan_of(const Model& model) {
+  OutputPlan plan;
+  Group some{"some", {}};
+  for (const ParticleId p : model.r_0.ids())
+    if (p.value % 3 != 0) some.particles.push_back(p);
+  plan.axial_force = plan.displacements = plan.velocities = {some, model.groups[0]};
+  plan.stresses = {{some, 70.0}, {model.groups[0], 100.0}};
+  plan.losses = {Loss::yield_axial, Loss::friction, Loss::contact_damping};
+  plan.cell = model.cell.any();
+  return plan;
+}
+
+/// The k-th of so many parts: a piece along the bar, with the particles that it must know. All others are
+/// somewhere else in its state.
+Share part_of_bar(const Specimen& s, State& state, std::size_t k, std::size_t parts,
+                  std::vector<ImageRow>& images) {
+  const auto owner = [&](ParticleId p) { return std::min(parts - 1, p.value * parts / s.model.particles()); };
+  Holding holding{.own = {}, .sent = {}, .ghosts = {}, .others_in_one_row = true};
+  PerParticle<char> known(s.model.particles(), 0);
+  for (const ParticleId p : known.ids())
+    if (owner(p) == k && !is_absent(state, p)) holding.own.push_back(p), known[p] = 1;
+  const auto ghost = [&](ParticleId p, const Image& n) {
+    if (n.is_itself() && known[p] == 0) known[p] = 2;
+    if (owner(p) != k || !n.is_itself()) holding.ghosts.push_back({p, n});
+  };
+  for (const Bond& b : state.bonds)
+    if (owner(b.i) == k) ghost(b.j, b.image_j);
+  if (particles_touch(s.model.contact)) {
+    const std::vector<double> sizes(s.model.particles(), 1.0);  // farther than contacts reach
+    for_overlapping_images(state.cell, s.model.cell.periodic, state.r.values(), sizes, 0.0,
+                           [&](std::size_t i, std::size_t j, const Image& n, double) {
+                             const ParticleId p{i}, q{j};
+                             if (is_absent(state, p) || is_absent(state, q)) return;
+                             if (owner(p) == k) ghost(q, n);
+                             if (owner(q) == k) ghost(p, -n);
+                           });
+  }
+  std::sort(holding.ghosts.begin(), holding.ghosts.end());
+  holding.ghosts.erase(std::unique(holding.ghosts.begin(), holding.ghosts.end()), holding.ghosts.end());
+  const Order order = part_of(spatial_order(s.model.r_0), holding);
+  for (Row row{order.ghosts}; row.value < order.known; ++row.value)
+    if (!order.image(row).is_itself())
+      images.push_back({row.value, order.image(row), state.r[order.particle[row]]});
+  for (const ParticleId p : known.ids())
+    if (known[p] == 0 && !is_absent(state, p)) state.r[p] += Vec3d{0.3, 1.7, 0.4}, state.v[p] = {9, 9, 9};
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  return {order, inf, inf, true};
+}
+
+struct Seen {
+  std::vector<Cell> row;
+  WatchRecord record;
+  std::vector<std::string> told;
+};
+
+Seen look_at(const OutputPlan& plan, const BodyView& body) {
+  Seen seen;
+  constexpr double no_bound = 1e9;  // energies here are of no motion
+  Watch watch(no_bound, [&seen](const std::string& text) { seen.told.push_back(text); });
+  seen.row = history_row(plan, history_values(plan, body));
+  watch.look(body);
+  watch.look_at_overlaps(body, 0.1);
+  seen.record = watch.record();
+  std::sort(seen.told.begin(), seen.told.end());
+  return seen;
+}
+
+double number_in(const Cell& cell) {
+  if (const auto* x = std::get_if<double>(&cell)) return *x;
+  if (const auto* n = std::get_if<std::int64_t>(&cell)) return static_cast<double>(*n);
+  return -1.0;  // no number in it
+}
+
+class Parts : public ::testing::TestWithParam<std::tuple<bool, bool>> {};
+INSTANTIATE_TEST_SUITE_P(, Parts, ::testing::Combine(::testing::Bool(), ::testing::Bool()),
+                         [](const auto& p) {
+                           return std::string(std::get<0>(p.param) ? "Touching" : "Bonded") +
+                                  (std::get<1>(p.param) ? "Periodic" : "");
+                         });
+
+TEST_P(Parts, AddUpToWhatOneProcessSeesAndCollectNothing) {
+  const auto [touches, periodic] = GetParam();
+  std::size_t overlaps = 0, deformed = 0;
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    const Specimen s = random_bar(seed, touches, periodic);
+    const Stage stage = testing::plain_stage(0.02, 1e9);
+    Simulation before(s.model, stage, s.state);
+    for (int k = 0; k < 20; ++k) before.step();
+    State state = std::move(before).take_state();
+    begin_next_stage(state.clock);
+    const Simulation run(s.model, stage, state);
+    const OutputPlan plan = plan_of(s.model);
+    const std::vector<std::string> names = history_columns(plan);
+    const Seen whole = look_at(plan, run);
+    overlaps += whole.record.overlapping.size(), deformed += whole.record.bonds.size() > 0 ? 1 : 0;
+
+    const std::size_t processes = 2 + seed % 2;
+    Meeting meeting(processes);
+    std::vector<Seen> seen(processes);
+    std::vector<std::size_t> gathered(processes), gathered_whole(processes);
+    std::vector<std::thread> threads;
+    for (std::size_t k = 0; k < processes; ++k)
+      threads.emplace_back([&, k] {
+        Process process(meeting, k);
+        State mine = state;
+        Share share = part_of_bar(s, mine, k, processes, process.images);
+        const Simulation part(s.model, stage, &mine, std::move(share), process);
+        seen[k] = look_at(plan, part);
+        gathered[k] = process.largest_gather;
+        part.state();
+        gathered_whole[k] = process.largest_gather;
+      });
+    for (std::thread& t : threads) t.join();
+
+    const std::size_t places = s.model.particles() * sizeof(Vec3d);
+    for (std::size_t k = 0; k < processes; ++k) {
+      EXPECT_LT(gathered[k], places) << "seed " << seed;
+      EXPECT_GE(gathered_whole[k], places) << "seed " << seed;
+      ASSERT_EQ(seen[k].row.size(), whole.row.size());
+      for (std::size_t c = 0; c < whole.row.size(); ++c)  // sums of at most some hundred terms of size 10
+        EXPECT_NEAR(number_in(seen[k].row[c]), number_in(whole.row[c]), 1e-12)
+            << names[c] << ", seed " << seed << ", process " << k << " of " << processes;
+      EXPECT_TRUE(seen[k].record == whole.record) << "seed " << seed << ", process " << k;
+      EXPECT_EQ(seen[k].told, whole.told) << "seed " << seed << ", process " << k;
+    }
+  }
+  EXPECT_GT(overlaps, 20u);
+  EXPECT_GT(deformed, 10u);
+}
+
+}  // namespace
+}  // namespace vbond::parts_test
