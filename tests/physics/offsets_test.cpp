@@ -21,8 +21,15 @@ template <class Law>
 BondPose<double> at_rest(const Law& law) {
   BondPose<double> rest =
       bond_pose(BondFrames<double>{}, Vec3d{law.a + law.R_i + law.R_j, 0, 0}, Quatd{}, Quatd{});
-  rest.r_ij += law.offset_i(rest) - law.offset_j(rest);
+  if constexpr (OffsetLaw<Law>) rest.r_ij += law.offset_i(rest) - law.offset_j(rest);
   return rest;
+}
+template <class Law>
+std::array<double, 4> offsets_of(const Law& law) {
+  if constexpr (OffsetLaw<Law>)
+    return {law.o_i2, law.o_i3, law.o_j2, law.o_j3};
+  else
+    return {};
 }
 
 // A bond from (0, 0, 0) to (1, 0, 0) between particles whose centres are 0.5 beside it, at opposite sides.
@@ -100,6 +107,42 @@ void expect_bound() {
 TEST(Offsets, ElementBoundIsNotBelowTheLargestEigenvalue) {
   expect_bound<VModel>();
   expect_bound<Evm>();
+}
+
+/// The largest ratio of bound and eigenvalue for a bond that is stretched along its axis; one that is pressed
+/// is less stiff than the bound allows for.
+template <class Law>
+double loosest_under_pull(double R_largest) {
+  testing::PoseSource random(78);
+  double loosest = 0.0;
+  for (int trial = 0; trial < 60; ++trial) {
+    Law law = testing::random_law<Law>(random);
+    law.rules = &no_rules;
+    law.R_i = random.uniform(0.0, R_largest), law.R_j = random.uniform(0.0, R_largest);
+    const double D = law.a * random.uniform(0.5, 2.0);
+    BondPose<double> pose = at_rest(law);
+    pose.r_ij.x += D - law.a;
+    BondStiffness<double> c = stiffness(law);
+    c.c_D *= sq(law.a / D);
+    const auto end = [&](double R, double o_2, double o_3) {
+      return BondEnd{1.0, random.uniform(0.2, 2.0), random.uniform(0.001, 1.0), R + 0.5 * D, o_2, o_3};
+    };
+    const auto [o_i2, o_i3, o_j2, o_j3] = offsets_of(law);
+    const BondEnd i = end(law.R_i, o_i2, o_i3), j = end(law.R_j, o_j2, o_j3);
+    const double bound = element_bound(c, i, j, {tension(law, D), D});
+    const double exact = largest_eigenvalue(bond_tangent(law, pose), i, j);
+    EXPECT_GE(bound, (1.0 - 1e-12) * exact) << trial;
+    if (D > law.a) loosest = std::max(loosest, bound / exact);
+  }
+  return loosest;
+}
+// At most the sum of what stiffness and force give apart, and with offsets twice the one and thrice the
+// other.
+TEST(Pull, ElementBoundIsNotBelowTheLargestEigenvalue) {
+  EXPECT_LT(loosest_under_pull<WithRules<VModel>::Law<double>>(2.0), 2.0);
+  EXPECT_LT(loosest_under_pull<WithRules<Evm>::Law<double>>(2.0), 2.0);
+  EXPECT_LT(loosest_under_pull<Offset<VModel>>(2.0), 3.0);
+  EXPECT_LT(loosest_under_pull<Offset<Evm>>(2.0), 3.0);
 }
 
 // The rows of G that mix are those of shear and bending, two at a time: the sum of a row of a 2 x 2 matrix

@@ -229,7 +229,8 @@ TEST(PackingBonds, SectionsByRadiiAreRefusedWhereThereIsNoTheoryForThem) {
 
 // ---- strengths -------------------------------------------------------------------------------------
 
-// Limits in stresses are those of each bond's own section: the same shares as with that section given.
+// Limits in stresses are those of each bond's own section, whatever factors its stiffnesses have: the same
+// shares as with that section given.
 TEST(PackingBonds, BreakByTheStressesOfTheirOwnSection) {
   const Tally tally = campaign("strengths of own sections", 500, [](unsigned seed, Tally& t) {
     Dice dice(seed);
@@ -240,6 +241,8 @@ TEST(PackingBonds, BreakByTheStressesOfTheirOwnSection) {
           dice.one_of({BondTheory::bernoulli_euler, BondTheory::timoshenko, BondTheory::short_cylinder});
       p.material = {dice.ratio(0.1, 10.0), dice(-0.2, 0.4)}, p.kappa = 0.9;
     }
+    if (dice.chance(0.7))
+      own.recipe.factors = {dice.ratio(0.2, 5), dice.ratio(0.2, 5), dice.ratio(0.2, 5), dice.ratio(0.2, 5)};
     const double s = dice.ratio(0.1, 10.0), s_t = dice.ratio(0.1, 10.0), b = dice(0.0, 1.0),
                  s_c = dice.ratio(0.5, 5.0);
     const int which = dice.whole(0, 3);

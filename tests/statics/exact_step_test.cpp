@@ -5,6 +5,9 @@
 #include <cmath>
 
 #include "bodies.hpp"
+#include "campaigns/bodies.hpp"
+#include "campaigns/dice.hpp"
+#include "campaigns/judge.hpp"
 #include "validation/cases.hpp"
 #include "vbond/model/step_bound.hpp"
 
@@ -79,6 +82,65 @@ TEST(ExactCriticalStep, IsWhereLeapFrogBlowsUp) {
   for (const std::vector<Support>& supports : {std::vector<Support>{}, pinned_ends()}) {
     EXPECT_LT(growth(0.999, supports), 1e3);
     EXPECT_GT(growth(1.001, supports), 1e8);
+  }
+}
+
+// ---- bonds under tension and pressure --------------------------------------------------------------
+
+/// Three particles in a row whose bonds are soft but for stretching, and pull.
+testing::Specimen prestrained_row() {
+  BondRecipe recipe;
+  recipe.parameters = BondStiffness<double>{1.0, 1e-4, 1e-7, 1e-7};
+  recipe.attachment = Attachment::given, recipe.R_i = recipe.R_j = 0.4;
+  recipe.prestrain = 0.3;
+  testing::Specimen s = testing::straight_rod(3, recipe);
+  for (double& inertia : s.model.inertia) inertia = 1e-4;
+  return s;
+}
+
+// The middle turns against both bonds, and is held by N R (1 + R/D) of each; N = 0.2 - 0.2/1.3.
+TEST(StepBound, KnowsThatTensionHoldsBondsStraight) {
+  const testing::Specimen s = prestrained_row();
+  const std::vector<Support> ends{testing::held({ParticleId{0}, ParticleId{2}}, testing::translations)};
+  const double exact = exact_critical_step(s.model, s.state, ends);
+  EXPECT_NEAR(exact, 0.0530321, 1e-6);
+  const StepBound bound = step_bound(s.model, s.state);
+  EXPECT_LT(bound.dt, exact);
+  EXPECT_GT(bound.dt, 0.8 * exact);
+  EXPECT_EQ(bound.source.substr(0, 36), "turning against the tension of bond ") << bound.source;
+}
+
+// Never longer than the exact step of the body as it stands. What presses makes bodies slower, which the
+// bound leaves out.
+TEST(StepBound, IsBelowTheExactStepOfPrestrainedBodies) {
+  const testing::Tally tally =
+      testing::campaign("prestrained bodies", 200, [](unsigned seed, testing::Tally& t) {
+        testing::Dice dice(seed);
+        testing::Specimen s = testing::random_body(dice);
+        s.state.bonds = {};
+        for (double& inertia : s.model.inertia) inertia = dice.ratio(1e-5, 0.2);
+        BondRecipe recipe;
+        if (dice.chance(0.5)) recipe.law = &bond_law<Evm>;
+        recipe.parameters = BondStiffness<double>{dice(0.3, 1), dice.ratio(1e-4, 1.0), dice.ratio(1e-6, 0.1),
+                                                  dice.ratio(1e-6, 0.1)};
+        recipe.attachment = Attachment::given, recipe.R_i = dice(0.0, 0.25), recipe.R_j = dice(0.0, 0.25);
+        if (dice.chance(0.3))
+          recipe.rules.stretch = {StretchForm::cubic, dice(0, 1), dice(1, 4), 1, 0, 0, {}};
+        testing::Specimen at_rest = s;
+        testing::bond_near(at_rest, 1.5, recipe);
+        recipe.prestrain = dice(-0.4, 0.8);
+        testing::bond_near(s, 1.5, recipe);
+        const double bound = step_bound(s.model, s.state).dt,
+                     exact = exact_critical_step(s.model, s.state, {});
+        t.below("bound over exact step", bound / exact, 1.0 + 1e-9);  // eigenvalues are known to 1e-10
+        if (recipe.prestrain > 0.0) t.most("exact step over bound", exact / bound);
+        // what a bound of the same body without prestrain would do
+        if (!(step_bound(at_rest.model, at_rest.state).dt < exact)) t.add("at rest it would be too long");
+      });
+  EXPECT_EQ(tally["right"], tally.cases);
+  if (tally.full) {
+    EXPECT_GT(tally.sum("at rest it would be too long"), 20);
+    EXPECT_LT(tally.largest("exact step over bound"), 3.0);
   }
 }
 

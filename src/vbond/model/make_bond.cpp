@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <variant>
 
 #include "vbond/model/joint_cells.hpp"
 #include "vbond/model/rules.hpp"
@@ -92,10 +94,24 @@ double variate(std::uint64_t seed, ParticleId i, ParticleId j) {
   return from_0_to_1(mixed(mixed(seed, std::min(i, j).value), std::max(i, j).value));
 }
 
+/// The rules of a bond whose stiffnesses have these factors: c_B/c_A then tells another round section than
+/// its own, and what is known of it (Strength::own_section) is brought to the one that it has.
+BondRules rules_without(const BondStiffness<double>& factors, BondRules rules) {
+  const double told2 = factors.c_B / factors.c_A, told = std::sqrt(told2);  // radius told over its own
+  rules.rubbing.reach /= told;
+  Strength& s = rules.strength;
+  if (!s.own_section) return rules;
+  for (double* share : {&s.axial, &s.shear, &s.friction, &s.compression}) *share *= told2;
+  for (double* share : {&s.bending, &s.torsion, &s.compression_bending}) *share *= told * told2;
+  return rules;
+}
+
 /// What a bond of a law with rules has besides its stiffness.
 void add_rules(const BondRecipe& recipe, const BondSite& i, const BondSite& j, Bond& b) {
   if (!b.law->has_rules) return;
   BondRules rules = recipe.cell ? rules_of_cell(*recipe.cell, recipe.rules) : recipe.rules;
+  if (!std::holds_alternative<GivenCoefficients>(recipe.parameters))
+    rules = rules_without(recipe.factors, std::move(rules));
   rules.damped = recipe.damping.by != DampingBy::none;
   b.rules = &kept(rules);
   if (rules.damped) {

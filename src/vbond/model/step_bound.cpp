@@ -17,25 +17,46 @@ namespace {
 
 constexpr double bonds_of_close_packing = 12.0;
 
+/// What a bond's part of the bound is made of.
+struct Element {
+  BondStiffness<double> c, g;
+  BondEnd i, j;
+  Pull pull = {};
+
+  double lambda() const { return element_bound(c, g, i, j, pull); }
+};
+
 struct Largest {
   double lambda = 0.0;
   std::optional<BondId> bond;
+  Element element{};
   std::string source;
 };
 
+/// A bond at rest with the length a, as it is under this force: what resists shear are angles, and so c_D a^2
+/// stays, while the arms of the forces become longer or shorter.
+Element under(const Pull& pull, double a, Element e) {
+  e.pull = pull;
+  e.c.c_D *= sq(a / pull.D);
+  for (BondEnd* end : {&e.i, &e.j}) end->lever += 0.5 * (pull.D - a);
+  return e;
+}
+
 /// Which of the three kinds of motion of a bond its bound came from, and whether it is their damping (g),
-/// which without any stiffness would give most of it.
-std::string motion_of(const BondStiffness<double>& c, const BondStiffness<double>& g, const BondEnd& i,
-                      const BondEnd& j, double lambda) {
+/// which without any stiffness would give most of it, or the force of the bond.
+std::string motion_of(const Element& e) {
+  const auto& [c, g, i, j, pull] = e;
   constexpr double rounding = 1e-9;
+  const double lambda = e.lambda();
+  if (pull_bound(pull, i, j) >= 0.5 * lambda) return "turning against the tension";
   const auto sets = [&](const BondStiffness<double>& of_c, const BondStiffness<double>& of_g) {
-    return element_bound(of_c, of_g, i, j) >= (1.0 - rounding) * lambda;
+    return element_bound(of_c, of_g, e.i, e.j) >= (1.0 - rounding) * lambda;
   };
   const std::string motion = i.is_offset() || j.is_offset()                         ? "deformation"
                              : sets({c.c_A, 0.0, 0.0, 0.0}, {g.c_A, 0.0, 0.0, 0.0}) ? "stretching"
                              : sets({0.0, 0.0, 0.0, c.c_T}, {0.0, 0.0, 0.0, g.c_T}) ? "torsion"
                                                                                     : "shear and bending";
-  return element_bound(c, i, j) < 0.5 * lambda ? "the damping of " + motion : motion;
+  return element_bound(c, i, j, pull) < 0.5 * lambda ? "the damping of " + motion : motion;
 }
 
 PerParticle<double> bonds_of_particles(const Model& model, const State& state,
@@ -49,28 +70,52 @@ PerParticle<double> bonds_of_particles(const Model& model, const State& state,
   return n;
 }
 
+/// A bond at rest between particles that have so many bonds.
+Element element_of(const Model& model, const Bond& b, const PerParticle<double>& n) {
+  const auto end = [&](ParticleId p, double R, double o_2, double o_3) {
+    return BondEnd{n[p], model.mass[p], model.inertia[p], R + 0.5 * b.a, o_2, o_3};
+  };
+  const auto [o_i2, o_i3, o_j2, o_j3] = offsets_of(b);
+  return {b.law->stiffest(b), b.law->damping(b), end(b.i, b.R_i, o_i2, o_i3), end(b.j, b.R_j, o_j2, o_j3)};
+}
+
+/// The same as it is stretched or pressed now, as far as that is more than rounding. What has cracked has the
+/// stiffness of the whole, and so enough; what has no length has no direction, and a run says so.
+std::optional<Element> element_now(const State& state, BondId id, const Element& at_rest) {
+  constexpr double rounding = 1e-9;
+  const Bond& b = state.bonds[id];
+  if (is_cracked(b)) return std::nullopt;
+  const BondHistory& history = history_of_bond(state, id);
+  const double D = bond_axis(b, bond_pose(b, state)).D;
+  if (!(D > 0.0)) return std::nullopt;
+  const double N = b.law->tension(b, D, history);
+  const bool rests = std::abs(D - b.a) <= rounding * b.a && std::abs(N) <= rounding * b.a * at_rest.c.c_A;
+  if (rests) return std::nullopt;
+  Element now = under({N, D}, b.a, at_rest);
+  if (b.law->has_rules && b.rules->stretch.form != StretchForm::harmonic) {
+    const double d = 1e-6 * b.a;
+    const double slope = (b.law->tension(b, D + d, history) - b.law->tension(b, D - d, history)) / (2.0 * d);
+    now.c.c_A = std::max(now.c.c_A, slope);
+  }
+  return now;
+}
+
 Largest largest_of_bonds(const Model& model, const State& state, const PerParticle<double>& n) {
   Largest largest;
-  const auto ends = [&](const Bond& b) {
-    const auto end = [&](ParticleId p, double R, double o_2, double o_3) {
-      return BondEnd{n[p], model.mass[p], model.inertia[p], R + 0.5 * b.a, o_2, o_3};
-    };
-    const auto [o_i2, o_i3, o_j2, o_j3] = offsets_of(b);
-    return std::pair(end(b.i, b.R_i, o_i2, o_i3), end(b.j, b.R_j, o_j2, o_j3));
+  const auto take = [&](BondId id, const Element& e) {
+    const double lambda = e.lambda();
+    if (!(lambda <= largest.lambda)) largest.lambda = lambda, largest.bond = id, largest.element = e;
   };
   for (const BondId id : state.bonds.ids()) {
-    const Bond& b = state.bonds[id];
-    if (b.broken) continue;
-    const auto [end_i, end_j] = ends(b);
-    const double lambda = element_bound(b.law->stiffest(b), b.law->damping(b), end_i, end_j);
-    if (!(lambda <= largest.lambda)) largest.lambda = lambda, largest.bond = id;
+    if (state.bonds[id].broken) continue;
+    const Element at_rest = element_of(model, state.bonds[id], n);
+    take(id, at_rest);
+    if (const auto now = element_now(state, id, at_rest)) take(id, *now);
   }
   if (largest.bond) {
     const Bond& b = state.bonds[*largest.bond];
-    const auto [end_i, end_j] = ends(b);
-    largest.source = motion_of(b.law->stiffest(b), b.law->damping(b), end_i, end_j, largest.lambda) +
-                     " of bond " + std::to_string(largest.bond->value) + " (particles " +
-                     std::to_string(b.i.value) + ", " + std::to_string(b.j.value) + ")";
+    largest.source = motion_of(largest.element) + " of bond " + std::to_string(largest.bond->value) +
+                     " (particles " + std::to_string(b.i.value) + ", " + std::to_string(b.j.value) + ")";
   }
   return largest;
 }
@@ -93,13 +138,15 @@ double lambda_of_rule(const Model& model, const BondingRule& rule, std::string& 
   const double reach = rule.reach(radii.i, radii.j);
   const BondLengths lengths = bond_lengths(rule.recipe, reach, radii);
   // particles of different size may leave no length at the rule's distance; then nothing is known yet
-  const double a = lengths.a > 0.0 ? lengths.a : reach;
+  const double D = lengths.a > 0.0 ? lengths.a : reach, a = D / (1.0 + rule.recipe.prestrain);
   i.lever = lengths.R_i + 0.5 * a;
   j.lever = lengths.R_j + 0.5 * a;
   const BondStiffness<double> c = stiffness_of(rule.recipe, a, radii);
-  const double lambda = element_bound(c, i, j);
-  motion = motion_of(c, {}, i, j, lambda);
-  return lambda;
+  const Element at_rest{c, {}, i, j},
+      made = under({tension(rule.recipe.rules.stretch, c.c_A, a, D), D}, a, at_rest);
+  const Element& e = rule.recipe.prestrain != 0.0 && made.lambda() > at_rest.lambda() ? made : at_rest;
+  motion = motion_of(e);
+  return e.lambda();
 }
 
 }  // namespace
@@ -117,7 +164,7 @@ StepBound step_bound(const Model& model, const State& state, const std::vector<B
     std::string motion;
     const double lambda = lambda_of_rule(model, rule, motion);
     if (!(lambda <= largest.lambda))
-      largest = {lambda, std::nullopt, motion + " of a bond that \"" + rule.name + "\" may still make"};
+      largest = {lambda, std::nullopt, {}, motion + " of a bond that \"" + rule.name + "\" may still make"};
   }
   const ContactBound contact = contact_bound(model, state, drives, rules, contacts_to_come);
   if (contact.lambda > 0.0) {

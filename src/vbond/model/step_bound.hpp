@@ -19,7 +19,8 @@ struct StepBound {
 
 /// Largest stable step of leap-frog, 2 / sqrt(lambda), by an element-by-element bound: never above the
 /// critical step of the undeformed body, a few per cent below it. Each particle's mass is shared
-/// evenly among its n bonds.
+/// evenly among its n bonds. The same is asked of bonds under the axial forces that they bear as they stand:
+/// by prestrain, temperature, or from what went before.
 ///
 /// What is not there yet is estimated. Contacts: one of each particle, with an overlap of 10 % of the sum of
 /// the radii, or as many as it has now, with the largest overlap of these (contact_bound.hpp); their lambda

@@ -207,7 +207,9 @@ void Watch::look_at_turns(const FastTurn& fastest, const Clock& clock, bool insi
                  fmt::format("it turns by {:.3g} rad in a step, more than half a turn: its bonds see no "
                              "more which way",
                              fastest.angle),
-                 fmt::format("use time.step = {:.3g} or less, or turn it more slowly", would_do)),
+                 fmt::format("if something turns it so fast, use time.step = {:.3g} or less, or turn it more "
+                             "slowly; if nothing does, the motion is unstable: use a tenth of the step",
+                             would_do)),
         {{fastest.p, {}, fmt::format("it turns by {:.3g} rad in a step", fastest.angle)}});
   if (!(fastest.angle >= 2.0 * record_.farthest_turn)) return;
   record_.farthest_turn = fastest.angle;

@@ -55,18 +55,36 @@ inline double element_bound_with_offsets(const BondStiffness<double>& c, const B
   return std::min(largest_row, std::sqrt(squares));
 }
 
-/// Largest squared angular frequency that one undeformed bond can contribute when every particle's
+/// What a straight bond bears as it stands.
+struct Pull {
+  double N = 0;  ///< tension  [force]
+  double D = 1;  ///< length between the bonded points  [length], > 0
+};
+
+/// Above the squared frequency that the force alone brings about, beside all stiffness: it holds the bond
+/// straight by N/D, and each of its arms p by N p. A push takes away from stiffness, but where arms are
+/// offset.  [1/time^2]
+inline double pull_bound(const Pull& pull, const BondEnd& i, const BondEnd& j) {
+  const double N = i.is_offset() || j.is_offset() ? std::abs(pull.N) : std::max(pull.N, 0.0);
+  if (N == 0.0) return 0.0;
+  const auto arm = [&](const BondEnd& e) { return std::hypot(e.lever - 0.5 * pull.D, e.o_2, e.o_3); };
+  const double p_i = arm(i), p_j = arm(j), turns_i = p_i * i.n / i.Theta, turns_j = p_j * j.n / j.Theta;
+  return N * ((i.n / i.m + j.n / j.m + p_i * turns_i + p_j * turns_j) / pull.D + std::max(turns_i, turns_j));
+}
+
+/// Largest squared angular frequency that one straight bond can contribute when every particle's
 /// mass and inertia are shared evenly among its bonds: the maximum over bonds bounds the whole body
 /// (element-by-element bound; the body's own largest eigenvalue is never above it).  [1/time^2]
-inline double element_bound(const BondStiffness<double>& c, const BondEnd& i, const BondEnd& j) {
-  if (i.is_offset() || j.is_offset()) return element_bound_with_offsets(c, i, j);
+inline double element_bound(const BondStiffness<double>& c, const BondEnd& i, const BondEnd& j,
+                            const Pull& pull = {}) {
+  if (i.is_offset() || j.is_offset()) return element_bound_with_offsets(c, i, j) + pull_bound(pull, i, j);
   const double per_m = i.n / i.m + j.n / j.m;
   const double per_Theta = i.n / i.Theta + j.n / j.Theta;
   const double g11 = c.c_B * per_Theta;
   const double g22 = c.c_D * (per_m + sq(i.lever) * i.n / i.Theta + sq(j.lever) * j.n / j.Theta);
   const double g12 = std::sqrt(c.c_B * c.c_D) * (i.lever * i.n / i.Theta - j.lever * j.n / j.Theta);
   const double shear_bending = 0.5 * (g11 + g22) + std::hypot(0.5 * (g11 - g22), g12);
-  return std::max({c.c_A * per_m, c.c_T * per_Theta, shear_bending});
+  return std::max({c.c_A * per_m, c.c_T * per_Theta, shear_bending + pull_bound(pull, i, j)});
 }
 
 /// 4/dt^2 at the largest dt with dt^2 (k + 2 g/dt) <= 4: the bound of a motion of squared frequency k > 0
@@ -79,14 +97,14 @@ inline double damped_bound(double k, double g) {
 /// The same for a bond that damps by rates of the last half step, g its slopes at rest: 4/dt^2 at the largest
 /// dt with dt^2 lambda(c + 2 g/dt) <= 4, which keeps 4 M - 2 dt C - dt^2 K positive.  [1/time^2]
 inline double element_bound(const BondStiffness<double>& c, const BondStiffness<double>& g, const BondEnd& i,
-                            const BondEnd& j) {
-  const double elastic = element_bound(c, i, j);
+                            const BondEnd& j, const Pull& pull = {}) {
+  const double elastic = element_bound(c, i, j, pull);
   if (g.c_A == 0.0 && g.c_D == 0.0 && g.c_B == 0.0 && g.c_T == 0.0) return elastic;
   const auto stable = [&](double dt) {
     const double h = 2.0 / dt;
     const BondStiffness<double> both{c.c_A + h * g.c_A, c.c_D + h * g.c_D, c.c_B + h * g.c_B,
                                      c.c_T + h * g.c_T};
-    return sq(dt) * element_bound(both, i, j) <= 4.0;
+    return sq(dt) * element_bound(both, i, j, pull) <= 4.0;
   };
   // damping alone allows dt = 2 / lambda(g): the least of both bounds is stable but for a factor
   double low = 0.25 / (std::sqrt(elastic) + element_bound(g, i, j)), high = 16.0 * low;
