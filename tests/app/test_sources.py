@@ -181,3 +181,27 @@ def expect_refused(old, new, told):
     assert TEXT.count(old) == 1, old
     write("wrong.toml", TEXT.replace(old, new))
     vbond("check wrong.toml", status=2, err=["wrong.toml:", *told])
+
+
+# Five particles go side by side. A sink takes one of them after a way of 5, where it stops.
+GONE = """specimen = [{name = "a", kind = "list", positions = [[0, 0, 0], [0, 5, 0], [0, 0, 5], [2, 5, 0], [0, 5, 2]], radius = 0.5, mass = 1.0}]
+velocities = [{velocity = [1, 0, 0]}]
+groups = {one = {indices = [0]}}
+sink = [{group = "one", half_space = {point = [5, 0, 0], normal = [-1, 0, 0]}, every = 0.1}]
+time = {step = 0.01}
+stage = [{duration = 20}]
+output = {history = {every = 2, displacements = ["a", 0, 1], velocities = ["a", 0, 1], stress = [{group = "a", volume = 10.0}]}}
+"""
+
+
+def test_means_are_of_those_that_are_there(work):
+    write("gone.toml", GONE)
+    vbond("run gone.toml -o gone")
+    rows = table("gone")
+    assert [row["particles"] for row in rows] == [5] * 3 + [4] * 8
+    for row in rows:
+        for name, moves in ("displacement", row["time"]), ("velocity", 1.0):
+            of_group, of_one, of_another = (row[f"{name}.{group}.x"] for group in ("a", 0, 1))
+            assert of_group == pytest.approx(moves, abs=1e-9) and of_another == pytest.approx(moves, abs=1e-9), (name, row)
+            assert of_one == (pytest.approx(moves, abs=1e-9) if row["particles"] == 5 else None), (name, row)
+        assert all(abs(row[f"strain.a.{part}"]) < 1e-9 for part in ("xx", "yy", "zz", "yz", "zx", "xy")), row

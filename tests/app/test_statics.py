@@ -7,8 +7,8 @@ from math import cos
 from pathlib import Path
 
 import pytest
-from program import (CLAMP, HERE, PROGRAM, column, contents, edit, edited, expect_same, frames, number, stop_at,
-                     table, values, vbond, write)
+from program import (CLAMP, HERE, PROGRAM, column, contents, edit, edited, expect_same, frames, number, read,
+                     stop_at, table, values, vbond, write)
 
 CASE = (HERE / "statics.toml").read_text()
 HELD = f'supports = [{{group = "first", {CLAMP}}}]'
@@ -97,6 +97,42 @@ def test_books_close_where_bounds_of_rounding_are_large(work):
     Path("pressed.toml").write_text(PRESSED, encoding="utf-8")
     vbond("run", "pressed.toml", "-o", "pressed")
     assert abs(json.loads(Path("pressed/run.json").read_text(encoding="utf-8"))["stages"][0]["fracture"]["energy"]["balance_error"]) < 5e-4
+
+
+# Springs in a row between two walls: of a load on the last but one particle three springs carry a quarter, and one the rest.
+ROW = """specimen = [{kind = "rod", particles = 5, spacing = "1 mm", radius = "0.3 mm", mass = "1 g"}]
+units = {system = "SI"}
+groups = {mid = {indices = [3]}}
+output = {history = {reactions = ["GROUP"]}}
+[[bonds]]
+distance = "1.1 mm"
+stiffness = {c_A = "1 N/mm", c_D = "0.5 N/mm", c_B = "0.1 N*mm", c_T = "0.1 N*mm"}
+strength = {criterion = "linear", axial_force = "0.05 N", shear_force = "1 N", bending_moment = "1 N*m", torque = "1 N*m"}
+[[stage]]
+kind = "fracture"
+steps = 7
+supports = [{group = "ends", fix = ["x", "y", "z", "rx", "ry", "rz"]}]
+loads = [{group = "mid", force = ["0.2 N", 0, 0]}]
+"""
+
+
+def test_loads_of_breaks_at_rest_are_forces_of_supports(work):
+    """Also where the body is driven by loads: no support moves, and the load of the stage's own table is its factor."""
+    for group, at_break, largest in ("first", 0.05, 0.05), ("last", 0.15, 0.2):
+        write("row.toml", ROW, ("GROUP", group))
+        vbond("run", "row.toml", "-o", f"row_{group}", out="1 bond broke")
+        folder = f"row_{group}"
+        told, (broken,), (of_stage,) = read(folder), table(f"{folder}/breaks.csv"), table(f"{folder}/fracture.csv")
+        (row,) = [row for row in table(folder) if row["step"] == broken["step"]]
+        assert broken["load"] == abs(row[f"reaction.{group}.fx"]) == told["first_break_load"]
+        assert broken["load"] == pytest.approx(at_break, rel=1e-8)
+        assert told["peak_load"] == pytest.approx(largest, rel=1e-8)
+        assert of_stage["load"] == of_stage["load_factor"] == pytest.approx(1, rel=1e-8)
+    write("row.toml", ROW, ('reactions = ."GROUP".', ""))
+    vbond("run", "row.toml", "-o", "row_alone", out="1 bond broke")
+    told = read("row_alone")
+    assert table("row_alone/breaks.csv")[0]["load"] is None and told["broken"] == 1
+    assert "first_break_load" not in told and "peak_load" not in told
 
 
 def test_a_cantilever_is_bent_and_let_go(whole):

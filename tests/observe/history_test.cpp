@@ -56,7 +56,7 @@ HistoryValues some_values() {
   v.peak_average = 3.0e-4 / 7.0;
   v.reactions = {{{1.5, 2.5, 3.5}, {4.5, 5.5, 6.5}}};
   v.axial_force = {-3.19e-4};
-  v.displacements = {{0.1, 0.2, 0.3}};
+  v.displacements = {Vec3d{0.1, 0.2, 0.3}};
   return v;
 }
 
@@ -239,8 +239,8 @@ TEST(History, HasVelocitiesOfGroupsWhereThereAreAny) {
   writer.write(next);
   const auto lines = lines_of(content_of(folder / "history.csv"));
   ASSERT_EQ(lines.size(), 3u);
-  EXPECT_EQ(std::stod(cell(lines, 1, "velocity.1 and 2.x")), v.velocities[0].x);
-  EXPECT_EQ(std::stod(cell(lines, 1, "velocity.0.z")), v.velocities[1].z);
+  EXPECT_EQ(std::stod(cell(lines, 1, "velocity.1 and 2.x")), v.velocities[0]->x);
+  EXPECT_EQ(std::stod(cell(lines, 1, "velocity.0.z")), v.velocities[1]->z);
   EXPECT_EQ(cell(lines, 2, "velocity.1 and 2.x"), "");
   EXPECT_EQ(cell(lines, 2, "velocity.0.z"), "");
 }

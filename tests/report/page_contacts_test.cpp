@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -53,7 +54,9 @@ struct Film {
   Folder folder;
   std::vector<FrameFiles> files;
 
-  explicit Film(const std::string& text, FrameFormat format = {.contacts = true}) {
+  /// without: particles that sinks have taken out.
+  explicit Film(const std::string& text, FrameFormat format = {.contacts = true},
+                const std::vector<ParticleId>& without = {}) {
     Built b = build(parse_case(text, "case.toml"));
     FrameWriter writer(folder.path(), false, {}, format);
     for (int f = 0; f < 4; ++f) {
@@ -62,6 +65,7 @@ struct Film {
       s.clock.step = s.clock.stage_step = 10 * f;
       for (const ParticleId p : s.r.ids())
         s.r[p] = s.r[p] + (0.02 * f) * Vec3d{0.3, 0.2, 1.0 + 0.7 * p.value};
+      if (f > 0) s.dropped = s.taken = without;
       writer.write(b.model, s);
     }
     files = listed_frames(folder / "particles.pvd", folder / "bonds.pvd");
@@ -93,6 +97,16 @@ std::vector<Line> lines_in(const FrameFiles& files) {
   return lines;
 }
 
+/// Centres of the particles that are there, by their numbers.
+std::map<double, Vec3d> centres_in(const FrameFiles& files) {
+  const VtpInput in(files.particles);
+  const auto ids = in.integers(Per::point, "id");
+  const auto r = in.vectors(Per::point, "Points");
+  std::map<double, Vec3d> centres;
+  for (std::size_t k = 0; k < r.size(); ++k) centres[static_cast<double>(ids[k])] = r[k];
+  return centres;
+}
+
 /// Every contact of the files is in the page with its ends. They stand in the same order: here no contact
 /// between centres comes after another one. Returns how many there are, and how many not between centres.
 std::pair<std::size_t, std::size_t> compare(const Film& film) {
@@ -104,7 +118,7 @@ std::pair<std::size_t, std::size_t> compare(const Film& film) {
   std::size_t at = 0, placed_at = 0;
   for (std::size_t f = 0; f < film.files.size(); ++f) {
     const auto lines = lines_in(film.files[f]);
-    const auto r = VtpInput(film.files[f].particles).vectors(Per::point, "Points");
+    const auto r = centres_in(film.files[f]);
     const auto& of_frame = s["frames"][f]["contacts"];
     const double low = of_frame["low"].get<double>(), of_force = of_frame["step"].get<double>();
     const auto centres = lines.size() - of_frame["placed"].get<std::size_t>();
@@ -113,7 +127,7 @@ std::pair<std::size_t, std::size_t> compare(const Film& film) {
       EXPECT_EQ(i[at], lines[k].i);
       EXPECT_EQ(j[at], lines[k].j);
       EXPECT_NEAR(low + of_force * q[at], lines[k].force, 0.51 * of_force);
-      Vec3d from = r[static_cast<std::size_t>(i[at])], to = r[static_cast<std::size_t>(j[at])];
+      Vec3d from = r.at(i[at]), to = r.at(j[at]);
       if (k >= centres) {
         from = from + Vec3d{shift[placed_at], shift[placed_at + 1], shift[placed_at + 2]};
         to = to + Vec3d{shift[placed_at + 3], shift[placed_at + 4], shift[placed_at + 5]};
@@ -139,6 +153,15 @@ TEST(PageContacts, OfFibresAreThoseOfTheFrames) {
   const auto [all, placed] = compare(Film(fibres));
   EXPECT_EQ(all, placed);
   EXPECT_GT(placed, 0u);
+}
+
+// Particles that are not there leave gaps in the numbers of a frame.
+TEST(PageContacts, AreOfTheirParticlesWhereASinkHasTakenOthers) {
+  const Film film(balls, {.contacts = true}, {ParticleId{0}});
+  ASSERT_EQ(VtpInput(film.files[1].particles).points(), 3u);
+  const auto lines = lines_in(film.files[1]);
+  ASSERT_TRUE(std::any_of(lines.begin(), lines.end(), [](const Line& l) { return l.j == 3; }));
+  compare(film);
 }
 
 TEST(PageContacts, InSinglePrecisionEndAtCentresAsWell) {

@@ -43,8 +43,11 @@ export class History {
     return steps ? nearest(steps, step) : null;
   }
 
-  /** Of the balance with this step; null in motion. */
-  load_factor_at(step) { return this.column("load_factor")?.values[this.row_of_step(step)] ?? null; }
+  /** Of the balance with this step; null in motion, where frames may be of steps that no row has. */
+  load_factor_at(step) {
+    const row = this.row_of_step(step);
+    return row != null && this.column("step").values[row] === step ? this.column("load_factor")?.values[row] ?? null : null;
+  }
 
   csv(names) {
     const quoted = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);

@@ -133,6 +133,14 @@ test("History.TheClockIsTheOneGivenElseTime", () => {
   assert.equal(new History({ columns: [{ name: "U_L" }], values: [[0]] }, "step").clock, "U_L");
 });
 
+test("History.LoadFactorsAreOfBalancesAlone", () => {
+  const columns = ["step", "load_factor"].map((name) => ({ name })), history = new History({ columns, values: [[1, 2, 50], [0, 0.5, null]] });
+  assert.deepEqual([1, 2, 50].map((step) => history.load_factor_at(step)), [0, 0.5, null]);
+  assert.deepEqual([3, 20, 49, 60].map((step) => history.load_factor_at(step)), [null, null, null, null], "in motion, between rows");
+  assert.equal(new History({ columns: columns.slice(0, 1), values: [[1, 2]] }).load_factor_at(2), null);
+  assert.equal(new History({ columns: columns.slice(1), values: [[0, 1]] }).load_factor_at(1), null);
+});
+
 test("History.PresetsWithoutTheirColumnsAreLeftOut", () => {
   const history = new History({ columns: [{ name: "time" }, { name: "U_L" }], values: [[0, 1], [0, 2]], rows_in_file: 2 });
   assert.deepEqual(history.presets([{ title: "?", x: "time", y: ["force"] }]).map((p) => p.title), ["Energies"]);

@@ -65,7 +65,7 @@ constexpr RowQuantity<Break> of_breaks[] = {
      [](const Break& b) -> Cell { return b.event.energy; }},
     {"load", unit::force,
      "size of the force that supports exerted on the first group of `output.history.reactions`, the bond "
-     "still whole, empty without such a group; of a stage of fracture the load of its table",
+     "still whole; empty without such a group",
      [](const Break& b) -> Cell { return b.load ? Cell(*b.load) : Cell(); }},
 };
 

@@ -1,7 +1,5 @@
 #include "vbond/observe/breaks_observer.hpp"
 
-#include <cmath>
-
 #include "vbond/dynamics/simulation.hpp"
 
 namespace vbond {
@@ -35,8 +33,14 @@ void BreaksObserver::finish(const Simulation& run, StopReason why) {
   if (stage_done(why)) end_stage(run.model(), run.state(), run.clock().stage);
 }
 
+void BreaksObserver::observe_balance(const BodyView& body, const BalancePoint& /*balance*/) {
+  const Timing timing(*this);
+  if (loaded_) load_at_rest_[body.clock().step] = norm(body.reaction(loaded_->particles).force);
+}
+
 void BreaksObserver::end_stage(const Model& model, const State& state, std::int64_t stage) {
   const Timing timing(*this);
+  load_at_rest_.clear();
   if (fragments_) fragments_->write(model, state, stage);
 }
 
@@ -55,7 +59,8 @@ void BreaksObserver::add_breaks_at_rest(const Clock& start, const State& state,
     e.loads = {b.section.N, b.section.V, b.section.M_b, b.section.M_t};
     e.middle = b.middle, e.direction = b.direction;
     e.cause = break_cause_of(bond, e.failure, e.loads.N);
-    breaks_->write(then, bond, e, std::abs(b.load));
+    const auto load = load_at_rest_.find(then.step);
+    breaks_->write(then, bond, e, load != load_at_rest_.end() ? std::optional(load->second) : std::nullopt);
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <map>
 #include <optional>
 
 #include "vbond/observe/breaks.hpp"
@@ -16,6 +17,7 @@ class BreaksObserver : public TimedObserver {
   void observe(const Simulation& run) override;
   std::int64_t steps_to_next_look(const Clock& now) const override;
   void finish(const Simulation& run, StopReason why) override;
+  void observe_balance(const BodyView& body, const BalancePoint& balance) override;
   /// The fragments at the end of a stage.
   void end_stage(const Model& model, const State& state, std::int64_t stage);
   /// Bonds that a static stage broke, in the state after it; start: the clock as it began. Points are its
@@ -26,7 +28,8 @@ class BreaksObserver : public TimedObserver {
   bool begun_anew() const { return breaks_ && breaks_->begun_anew(); }
 
  private:
-  std::optional<Group> loaded_;  // the first group whose reaction is asked for
+  std::optional<Group> loaded_;                  // the first group whose reaction is asked for
+  std::map<std::int64_t, double> load_at_rest_;  // its size at the steps of a static stage  [force]
   std::optional<BreaksWriter> breaks_;
   std::optional<FragmentsWriter> fragments_;
 };

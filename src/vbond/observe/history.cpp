@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <string_view>
 #include <utility>
@@ -18,23 +19,33 @@
 namespace vbond {
 namespace {
 
-Vec3d mean_displacement(const Group& group, const Model& model, const BodyPart& body) {
-  Vec3d sum;
-  for (const ParticleId p : group.particles)
-    if (body.has(p)) sum += body.state.r[p] - first_place(model, body.state, p);
-  return body.summed(sum) / static_cast<double>(group.particles.size());
+/// Those of a group that have come in and that no sink has taken out: means are of these.
+std::vector<ParticleId> those_there(const Group& group, const State& state) {
+  const std::vector<ParticleId> without = left_out(state);
+  std::vector<ParticleId> there;
+  std::copy_if(group.particles.begin(), group.particles.end(), std::back_inserter(there),
+               [&](ParticleId p) { return !std::binary_search(without.begin(), without.end(), p); });
+  return there;
 }
 
-Vec3d mean_velocity(const Group& group, const BodyPart& body) {
-  const std::vector<ParticleId> without = left_out(body.state);
+/// The mean over those of a group that are there, in all parts; nothing without any.
+template <class Value>
+std::optional<Vec3d> mean_of(const Group& group, const BodyPart& body, const Value& value) {
+  const std::vector<ParticleId> there = those_there(group, body.state);
+  if (there.empty()) return std::nullopt;
   Vec3d sum;
-  std::size_t count = 0;  // in all parts
-  for (const ParticleId p : group.particles) {
-    if (std::binary_search(without.begin(), without.end(), p)) continue;
-    if (body.has(p)) sum += body.state.v[p];
-    ++count;
-  }
-  return count > 0 ? body.summed(sum) / static_cast<double>(count) : Vec3d{};
+  for (const ParticleId p : there)
+    if (body.has(p)) sum += value(p);
+  return body.summed(sum) / static_cast<double>(there.size());
+}
+
+std::optional<Vec3d> mean_displacement(const Group& group, const Model& model, const BodyPart& body) {
+  return mean_of(group, body,
+                 [&](ParticleId p) { return body.state.r[p] - first_place(model, body.state, p); });
+}
+
+std::optional<Vec3d> mean_velocity(const Group& group, const BodyPart& body) {
+  return mean_of(group, body, [&](ParticleId p) { return body.state.v[p]; });
 }
 
 void add_stresses(const OutputPlan& plan, const Model& model, const BodyPart& body, HistoryValues& to) {
@@ -45,7 +56,9 @@ void add_stresses(const OutputPlan& plan, const Model& model, const BodyPart& bo
                                           [&model](ParticleId p) { return comes_in(model, p); });
     SymmetricParts strain;  // of particles that come in there is none: they had no places at the start
     strain.fill(std::numeric_limits<double>::quiet_NaN());
-    to.strains.push_back(some_come_in ? strain : symmetric_part(mean_strain(model, body, g.group.particles)));
+    to.strains.push_back(some_come_in
+                             ? strain
+                             : symmetric_part(mean_strain(model, body, those_there(g.group, body.state))));
   }
 }
 

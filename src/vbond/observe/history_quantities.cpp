@@ -28,6 +28,10 @@ Cell cell_stress_of(const Values& v) {
 void add3(const Vec3d& x, std::vector<Cell>& to) {
   to.insert(to.end(), {x.x, x.y, x.z});
 }
+void add3(const std::optional<Vec3d>& x, std::vector<Cell>& to) {
+  if (!x) return to.resize(to.size() + 3);
+  add3(*x, to);
+}
 
 // In the order of the columns. New ones stand behind the others: a file of an earlier version gets them there
 // too.
@@ -184,7 +188,9 @@ const std::vector<GroupQuantity>& of_groups() {
        [](const Values& v, std::size_t k, std::vector<Cell>& to) { to.emplace_back(v.axial_force[k]); }},
       {"displacement",
        "GROUP",
-       {{"x", unit::length, "position less position at the start: of a particle, or the mean over a group"},
+       {{"x", unit::length,
+         "position less position at the start: of a particle, or the mean over those of a group that "
+         "sinks have not taken out; empty where none is left"},
         {"y", unit::length},
         {"z", unit::length}},
        names_of<&OutputPlan::displacements>,
@@ -271,7 +277,8 @@ const std::vector<GroupQuantity>& of_groups() {
       {"velocity",
        "GROUP",
        {{"x", unit::velocity,
-         "velocity of a particle, or the mean over the particles of a group; empty in static stages"},
+         "velocity of a particle, or the mean over those of a group that are there; empty where none is, "
+         "and in static stages"},
         {"y", unit::velocity},
         {"z", unit::velocity}},
        names_of<&OutputPlan::velocities>,

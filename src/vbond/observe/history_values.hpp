@@ -40,13 +40,14 @@ struct HistoryValues {
   std::optional<int> unstable;             ///< static points: negative eigenvalues of the tangent, if counted
   std::vector<Reaction> reactions;         ///< one per OutputPlan::reactions
   std::vector<double> axial_force;         ///< one per OutputPlan::axial_force, tension positive  [force]
-  std::vector<Vec3d> displacements;        ///< one per OutputPlan::displacements, mean of r - r_0  [length]
-  std::vector<Vec3d> velocities;           ///< one per OutputPlan::velocities, mean; static points: none
-  std::vector<SymmetricParts> stresses;    ///< one per OutputPlan::stresses  [stress]
-  std::vector<SymmetricParts> strains;     ///< likewise
-  std::vector<WallState> walls;            ///< one per OutputPlan::walls; empty: not known
-  std::optional<CellValues> cell;          ///< of periodic bodies
-  std::vector<std::optional<GripView>> grips;  ///< one per OutputPlan::grips; nothing: not in this stage
+  /// One per OutputPlan::displacements, mean of r - r_0; nothing where no particle is there.  [length]
+  std::vector<std::optional<Vec3d>> displacements;
+  std::vector<std::optional<Vec3d>> velocities;  ///< one per OutputPlan::velocities; static points: none
+  std::vector<SymmetricParts> stresses;          ///< one per OutputPlan::stresses  [stress]
+  std::vector<SymmetricParts> strains;           ///< likewise
+  std::vector<WallState> walls;                  ///< one per OutputPlan::walls; empty: not known
+  std::optional<CellValues> cell;                ///< of periodic bodies
+  std::vector<std::optional<GripView>> grips;    ///< one per OutputPlan::grips; nothing: not in this stage
 };
 
 /// The values of a body as it stands, by sums over what each process has: nobody asks for the whole state.

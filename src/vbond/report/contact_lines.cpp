@@ -25,10 +25,12 @@ struct RawContact {
   bool at_centres() const { return from == Vec3d{} && to == Vec3d{}; }
 };
 
-std::uint32_t particle_of(std::int64_t number, std::size_t particles, const std::filesystem::path& file) {
-  if (number < 0 || static_cast<std::size_t>(number) >= particles)
-    refuse_contacts(file, "a contact is of a particle that is not there");
-  return static_cast<std::uint32_t>(number);
+/// Where a particle stands among those of its frame, whose numbers increase: some may not be there.
+std::size_t place_of(std::int64_t number, const std::vector<std::int64_t>& ids,
+                     const std::filesystem::path& file) {
+  const auto at = std::lower_bound(ids.begin(), ids.end(), number);
+  if (at == ids.end() || *at != number) refuse_contacts(file, "a contact is of a particle that is not there");
+  return static_cast<std::size_t>(at - ids.begin());
 }
 
 /// Those between centres first. The file has the same numbers for these ends as that of the particles.
@@ -39,7 +41,8 @@ std::vector<RawContact> raw_contacts(const FrameFiles& files) {
     throw IoError(files.contacts.string() + ": has not the contacts of " + files.particles.string());
   const std::vector<Vec3d> r = particles.vectors(Per::point, "Points"),
                            ends = in.vectors(Per::point, "Points");
-  const std::vector<std::int64_t> i = in.integers(Per::cell, "i"), j = in.integers(Per::cell, "j"),
+  const std::vector<std::int64_t> ids = particles.integers(Per::point, "id"), i = in.integers(Per::cell, "i"),
+                                  j = in.integers(Per::cell, "j"),
                                   place = in.integers(Per::end, "connectivity");
   const std::vector<double> force = in.scalars(Per::cell, "normal_force");
   std::vector<Image> shown;
@@ -52,13 +55,15 @@ std::vector<RawContact> raw_contacts(const FrameFiles& files) {
   std::vector<RawContact> contacts;
   for (std::size_t k = 0; k < force.size(); ++k) {
     RawContact& c = contacts.emplace_back();
-    c.i = particle_of(i[k], r.size(), files.contacts);
-    c.j = j[k] == -1 ? c.i : particle_of(j[k], r.size(), files.contacts);
+    const std::size_t of_i = place_of(i[k], ids, files.contacts),
+                      of_j = j[k] == -1 ? of_i : place_of(j[k], ids, files.contacts);
+    c.i = static_cast<std::uint32_t>(ids[of_i]);
+    c.j = static_cast<std::uint32_t>(ids[of_j]);
     c.force = force[k];
-    c.from = end(2 * k) - r[c.i];
-    c.to = end(2 * k + 1) - r[c.j];
-    const Vec3d from_i = end(2 * k + 1) - r[c.i];
-    const bool apart = !shown.empty() && shown[c.i] != shown[c.j];  // only as they are shown are they near
+    c.from = end(2 * k) - r[of_i];
+    c.to = end(2 * k + 1) - r[of_j];
+    const Vec3d from_i = end(2 * k + 1) - r[of_i];
+    const bool apart = !shown.empty() && shown[of_i] != shown[of_j];  // only as they are shown are they near
     if (particles.cell() && (apart || norm(from_i) < norm(c.to)))
       c.j = c.i, c.to = from_i;  // an image of j, which may be far from it
   }
@@ -113,10 +118,10 @@ Contacts read_contacts(const std::vector<FrameFiles>& files) {
   return all;
 }
 
-std::size_t bytes_of_contacts(const FrameFiles& files) {
+std::size_t bytes_of_contacts(const FrameFiles& files, std::size_t particles) {
   if (files.contacts.empty()) return 0;
   const std::vector<RawContact> raw = raw_contacts(files);
-  const std::size_t each = 2 * bytes_of_end(FrameInput(files.particles).points()) + 1;
+  const std::size_t each = 2 * bytes_of_end(particles) + 1;
   return std::accumulate(raw.begin(), raw.end(), std::size_t{0},
                          [each](std::size_t sum, const RawContact& c) {
                            return sum + each + (c.at_centres() ? 0 : numbers_of_shift);

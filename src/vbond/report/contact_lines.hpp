@@ -31,8 +31,8 @@ struct Contacts {
 /// impact: so each has a range of its own. Throws IoError.
 Contacts read_contacts(const std::vector<FrameFiles>& files);
 
-/// Bytes that the contacts of a frame take in the block. Throws IoError.
-std::size_t bytes_of_contacts(const FrameFiles& files);
+/// Bytes that the contacts of a frame take in the block, in a body of so many particles. Throws IoError.
+std::size_t bytes_of_contacts(const FrameFiles& files, std::size_t particles);
 
 /// Bytes that each end takes there, in a body of so many particles: its number fits into them.
 std::size_t bytes_of_end(std::size_t particles);

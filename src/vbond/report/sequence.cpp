@@ -338,11 +338,12 @@ Sequence read_sequence(const SequenceFiles& files, Body& body) {
 std::size_t bytes_of_frame(const FrameFiles& files) {
   const FrameInput particles(files.particles), bonds(files.bonds);
   const bool may_break = tells_of_breaks(particles, bonds);
-  return (may_break ? 9 : 7) * std::max(particles.points(), bonds.points()) +
+  const std::size_t all = std::max(particles.points(), bonds.points());
+  return (may_break ? 9 : 7) * all +
          ((may_break ? fields_with_breaks + 2 : fields_of_all_runs + 1) +
           (tells_of_flow(bonds) ? bond_field_count - fields_with_breaks : 0)) *
              bonds.cells() +
-         bytes_of_contacts(files);
+         bytes_of_contacts(files, all);
 }
 
 }  // namespace vbond::page
