@@ -2,9 +2,9 @@
 #include "vbond/dynamics/simulation.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <type_traits>
 #include <utility>
 
@@ -14,13 +14,39 @@ namespace vbond {
 
 void Simulation::step() {
   const bool timed = state_.clock.stage_step % StepTimes::one_in == 0;
-  if (!only_elastic_) change_body();
+  begin_step();  // bonds are made; terms, cell, what supports and loads are in this step
+  StepTimes::Lap lap(timed);
+  team_.for_blocks([&](const Block& b) {  // kick, drift: where others look at the particles
+    if (moves_first(b)) begin_step(b), carry_images(b);
+  });
+  lap.add_to(times_.integrate);
+  exchange_halo();
+  if (looks_at_ways()) find_touches(lap);
+  step_blocks(timed);                  // kick, drift: all others. Then loads; kick
+  complete_sent_blocks(Instant::end);  // of particles with ghosts
+  end_step();                          // terms, cell, free grips
+  close_books();
+  const bool events = !only_elastic_ && find_events();  // bonds break
+  keep_records();
+  if (!lost_particles_.empty()) tell_of_lost();
+  if (--steps_to_look_ != 0 && !events) return;
+  agree_on_failure();
+  notify_observers();
+}
+
+/// Between steps, for what is not particles. Bonds are made between particles that came close.
+void Simulation::begin_step() {
+  if (!only_elastic_) {
+    last_way_ = 0.0;
+    taken_.clear();
+    taken_shares_.clear();
+    make_bonds();
+  }
   for (MotionTerm* t : terms_.all()) t->begin_step();
   if (cell_.any()) {
     cell_.begin_step(state_.clock.stage_step, team_);
     if (const auto fault = cell_.fault()) {
       diverge(model_.particles(), "the cell", *fault,  // a particle that has failed as well is named first
-
               "strain it less or more slowly; a stress that nothing bears drives it without end; rotation = "
               "\"triangular\" shears without limit");
       agree_on_failure();  // of parts, which have all found it
@@ -28,51 +54,21 @@ void Simulation::step() {
   }
   supports_.set_times(state_.clock.stage_step, stage_.dt);
   applied_.set_times(state_.clock.stage_step, stage_.dt);
-
   if (supports_.grips().any_free()) supports_.grips().begin_step();
+}
 
-  StepTimes::Lap lap(timed);
-  team_.for_blocks([&](const Block& b) {
-    if (moves_first(b)) begin_step(b), carry_images(b);
-  });
-  lap.add_to(times_.integrate);
-  exchange_halo();
-  if (looks_at_ways()) {
-    const double way2 = largest_way2();
-    last_way_ = std::max(last_way_, std::sqrt(way2));
-    contacts_.refresh(bodies_.poses(), all_known(),
-                      std::sqrt(way2));  // near pairs, listed anew only when stale
-    capsules_.refresh(std::sqrt(way2));
-    work_out_touches(stage_.dt);
-    for (MotionTerm* t : terms_.touching()) t->particles_moved(stage_.dt, std::sqrt(way2));
-    if (contacts_.any() || capsules_.any()) encounters_.look_at_drift(bodies_, stage_.dt, way2, flow());
-    if (const auto& fast = encounters_.fastest(); capsules_.any() && (fast || capsules_.deep()))
-      capsules_.look_at_drift(stage_.dt, fast ? fast->way : 0.0);
-    lap.add_to(times_.contacts);
-  }
-  step_blocks(timed);
-  complete_sent_blocks(Instant::end);
-  if (supports_.grips().any_free()) finish_free_grips();
-  if (cell_.any()) {
-    const CellMotion::Done done = cell_.end_step(team_);
-    if (leads()) booked_.work_supports += done.work;
-    if (leads() && bonds_.damp()) damped_by_cell_ = done.damping;
-  }
-  ++state_.clock.step;
-  ++state_.clock.stage_step;  // time is counted, not summed
-  shown_ = Shown::nothing;
-  survey_.reset();
-  for (MotionTerm* t : terms_.all()) t->end_step(stage_.dt);
-  close_books();
-  const bool events = !only_elastic_ && find_events();
-  keep_records();
-  room_ -= last_way_;
-  ++unmet_;
-  if (!lost_particles_.empty()) tell_of_lost();
-  if (--steps_to_look_ == 0 || events) {
-    agree_on_failure();
-    notify_observers();
-  }
+/// Once all have moved: who is near whom, and what those that touch do to each other.
+void Simulation::find_touches(StepTimes::Lap& lap) {
+  const double way2 = largest_way2(), way = std::sqrt(way2);
+  last_way_ = std::max(last_way_, way);
+  contacts_.refresh(bodies_.poses(), all_known(), way);  // near pairs, listed anew only when stale
+  capsules_.refresh(way);
+  work_out_touches(stage_.dt);
+  for (MotionTerm* t : terms_.touching()) t->particles_moved(stage_.dt, way);
+  if (contacts_.any() || capsules_.any()) encounters_.look_at_drift(bodies_, stage_.dt, way2, flow());
+  if (const auto& fast = encounters_.fastest(); capsules_.any() && (fast || capsules_.deep()))
+    capsules_.look_at_drift(stage_.dt, fast ? fast->way : 0.0);
+  lap.add_to(times_.contacts);
 }
 
 /// Blocks move, are loaded and kicked while they are in the cache, those of each part in their order, those
@@ -95,15 +91,27 @@ void Simulation::step_blocks(bool timed) {
   });
 }
 
-/// Grips that are free in part need the loads of all their particles before these come to the end of the
-/// step.
-void Simulation::finish_free_grips() {
-  const double lost = supports_.grips().finish_step();
-  lose(0, Loss::drag, lost);
-  books_[0].work_supports += lost;
-  team_.for_blocks([&](const Block& b) {
-    if (supports_.grips().waits(b)) end_step(b);
-  });
+/// What is not particles, at the end of the step. Grips that are free in part need the loads of all their
+/// particles before these come there.
+void Simulation::end_step() {
+  if (supports_.grips().any_free()) {
+    const double lost = supports_.grips().finish_step();
+    lose(0, Loss::drag, lost);
+    books_[0].work_supports += lost;
+    team_.for_blocks([&](const Block& b) {
+      if (supports_.grips().waits(b)) end_step(b);
+    });
+  }
+  if (cell_.any()) {
+    const CellMotion::Done done = cell_.end_step(team_);
+    if (leads()) booked_.work_supports += done.work;
+    if (leads() && bonds_.damp()) damped_by_cell_ = done.damping;
+  }
+  ++state_.clock.step;
+  ++state_.clock.stage_step;  // time is counted, not summed
+  shown_ = Shown::nothing;
+  survey_.reset();
+  for (MotionTerm* t : terms_.all()) t->end_step(stage_.dt);
 }
 
 /// Bonds need the new places of both their particles. A block is moved just before the first bonds that reach
@@ -111,14 +119,6 @@ void Simulation::finish_free_grips() {
 /// at the border of a part, or anywhere where there are contacts.
 bool Simulation::moves_first(const Block& b) const {
   return looks_at_ways() || bonds_.at_border(b.index) || is_sent(b);
-}
-
-/// What changes the body between steps.
-void Simulation::change_body() {
-  last_way_ = 0.0;
-  taken_.clear();
-  taken_shares_.clear();
-  make_bonds();  // between particles that came close
 }
 
 /// The half of a step before the loads.
@@ -262,45 +262,6 @@ void Simulation::work_out_touches(double dt) {
   });
 }
 
-/// Between steps: what reads rates reads the present ones, and nothing is remembered or broken.
-void Simulation::evaluate_loads() {
-  survey_.reset();
-  if (inelastic()) bodies_.rates = bodies_.motion;
-  team_.for_blocks([&](const Block& b) { carry_images(b); });
-  exchange_halo();
-  contacts_.refresh(bodies_.poses(), all_known());
-  capsules_.refresh();
-  work_out_touches(0.0);
-  for (MotionTerm* t : terms_.touching()) t->particles_moved(0.0, std::numeric_limits<double>::infinity());
-  applied_.set_times(state_.clock.stage_step, stage_.dt);
-  team_.for_blocks([&](const Block& b) { clear_loads(b); });
-  all_known().for_parts([&](const Part& part) {
-    StepTimes::Lap untimed(false);
-    for (std::size_t k = part.first_block; k < part.last_block; ++k) {
-      add_mutual_loads(part, all_known().block(k), Instant::start, {}, untimed);
-      if (k < team_.blocks() && !is_sent(team_.block(k)))
-        complete_block(team_.block(k), Instant::start, untimed);
-    }
-    finish_part(part, Instant::start, untimed);
-  });
-  complete_sent_blocks(Instant::start);
-  for (MotionTerm* t : terms_.all()) t->end_step(0.0);
-  check_finite();
-  agree_on_failure();
-}
-
-void Simulation::apply_loads_alone() {
-  team_.for_blocks([&](const Block& b) { clear_loads(b); });
-  applied_.set_times(state_.clock.stage_step, stage_.dt);
-  team_.for_blocks([&](const Block& b) { applied_.add(b, Instant::start); });
-}
-
-void Simulation::particles_jumped() {
-  shown_ = Shown::nothing;
-  last_way_ = std::numeric_limits<double>::infinity();
-  evaluate_loads();
-}
-
 void Simulation::lose(std::size_t block, const TouchLosses<double>& to_touches) {
   lose(block, Loss::contact_damping, to_touches.damping);
   lose(block, Loss::friction, to_touches.friction);
@@ -330,6 +291,23 @@ void Simulation::close_books() {
   books_ahead_ = true;
   if (!only_elastic_ && supports_.grips().any()) supports_.grips().close();
   if (sum.poison != 0.0) check_finite();
+}
+
+/// What has come to an end in the step, once its books are closed: whether observers must look at it. The
+/// parts ask each other once in a step.
+bool Simulation::find_events() {
+  for (MotionTerm* t : terms_.all()) t->books_closed();
+  if (capsules_.any()) look_at_capsules();
+  if (contacts_.any()) look_at_deep_contacts();
+  const bool breaks =
+      std::any_of(breaking_.begin(), breaking_.end(), [](const auto& b) { return !b.empty(); });
+  enum : std::size_t { failed, broke, met, deep, questions };
+  std::array<double, questions> any{failed_ ? 1.0 : 0.0, breaks ? 1.0 : 0.0, encounters_.any() ? 1.0 : 0.0,
+                                    capsules_.deep() ? 1.0 : 0.0};
+  exchange_.max(any);
+  if (any[failed] != 0.0) agree_on_failure();
+  if (any[met] != 0.0) encounters_.share();
+  return (any[broke] != 0.0 && break_bonds()) || any[met] != 0.0 || any[deep] != 0.0;
 }
 
 /// Of particles, and of images, which the cell moves on.

@@ -179,10 +179,11 @@ class Simulation final : public BodyView, private MotionHost {
   void take_out(const Broken& broken);
   void take_up_loads();
   bool has_only_elastic_bonds() const;
-  void change_body();
-  bool find_events();
+  void begin_step();
+  void find_touches(StepTimes::Lap& lap);
   void step_blocks(bool timed);
-  void finish_free_grips();
+  void end_step();
+  bool find_events();
   void evaluate_loads() override;
   void apply_loads_alone() override;
   void particles_jumped() override;

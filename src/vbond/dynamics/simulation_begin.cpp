@@ -1,4 +1,4 @@
-// How the simulation of a stage is set up, and begins the stage.
+// How the simulation of a stage is set up, begins the stage, and knows its loads between steps.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -126,6 +126,45 @@ void Simulation::begin_stage() {
   shown_ = Shown::nothing;
   survey_.reset();
   close_books();
+}
+
+/// Between steps: what reads rates reads the present ones, and nothing is remembered or broken.
+void Simulation::evaluate_loads() {
+  survey_.reset();
+  if (inelastic()) bodies_.rates = bodies_.motion;
+  team_.for_blocks([&](const Block& b) { carry_images(b); });
+  exchange_halo();
+  contacts_.refresh(bodies_.poses(), all_known());
+  capsules_.refresh();
+  work_out_touches(0.0);
+  for (MotionTerm* t : terms_.touching()) t->particles_moved(0.0, std::numeric_limits<double>::infinity());
+  applied_.set_times(state_.clock.stage_step, stage_.dt);
+  team_.for_blocks([&](const Block& b) { clear_loads(b); });
+  all_known().for_parts([&](const Part& part) {
+    StepTimes::Lap untimed(false);
+    for (std::size_t k = part.first_block; k < part.last_block; ++k) {
+      add_mutual_loads(part, all_known().block(k), Instant::start, {}, untimed);
+      if (k < team_.blocks() && !is_sent(team_.block(k)))
+        complete_block(team_.block(k), Instant::start, untimed);
+    }
+    finish_part(part, Instant::start, untimed);
+  });
+  complete_sent_blocks(Instant::start);
+  for (MotionTerm* t : terms_.all()) t->end_step(0.0);
+  check_finite();
+  agree_on_failure();
+}
+
+void Simulation::apply_loads_alone() {
+  team_.for_blocks([&](const Block& b) { clear_loads(b); });
+  applied_.set_times(state_.clock.stage_step, stage_.dt);
+  team_.for_blocks([&](const Block& b) { applied_.add(b, Instant::start); });
+}
+
+void Simulation::particles_jumped() {
+  shown_ = Shown::nothing;
+  last_way_ = std::numeric_limits<double>::infinity();
+  evaluate_loads();
 }
 
 /// Whether elastic bonds, supports and loads are all there is, and particles like spheres.

@@ -105,23 +105,6 @@ void Simulation::complete_sent_blocks(Instant at) {
   });
 }
 
-/// What has come to an end in the step, once its books are closed: whether observers must look at it. The
-/// parts ask each other once in a step.
-bool Simulation::find_events() {
-  for (MotionTerm* t : terms_.all()) t->books_closed();
-  if (capsules_.any()) look_at_capsules();
-  if (contacts_.any()) look_at_deep_contacts();
-  const bool breaks =
-      std::any_of(breaking_.begin(), breaking_.end(), [](const auto& b) { return !b.empty(); });
-  enum : std::size_t { failed, broke, met, deep, questions };
-  std::array<double, questions> any{failed_ ? 1.0 : 0.0, breaks ? 1.0 : 0.0, encounters_.any() ? 1.0 : 0.0,
-                                    capsules_.deep() ? 1.0 : 0.0};
-  exchange_.max(any);
-  if (any[failed] != 0.0) agree_on_failure();
-  if (any[met] != 0.0) encounters_.share();
-  return (any[broke] != 0.0 && break_bonds()) || any[met] != 0.0 || any[deep] != 0.0;
-}
-
 /// The run cannot go on. Of a part, it ends when all have been told.
 void Simulation::diverge(std::size_t first_particle, const std::string& who, const std::string& what,
                          const std::string& way_out) const {

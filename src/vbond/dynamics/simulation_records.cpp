@@ -14,6 +14,8 @@
 namespace vbond {
 
 void Simulation::keep_records() {
+  room_ -= last_way_;
+  ++unmet_;
   EnergyBooks& books = booked_;
   const double brought_in = books.brought_in();  // below zero where supports hold back what sticks
   if (is_part_)

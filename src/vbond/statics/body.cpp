@@ -10,7 +10,6 @@
 
 #include "vbond/model/energies.hpp"
 #include "vbond/model/state_table.hpp"
-#include "vbond/model/touching.hpp"
 #include "vbond/statics/detail/pulse.hpp"
 
 namespace vbond {
@@ -191,44 +190,6 @@ void StaticBody::relieve() {
   placed();
 }
 
-Vector StaticBody::on_unknowns(const Loads& loads) const {
-  Vector x = Vector::Zero(unknowns_.size());
-  for (const ParticleId p : loads.F.ids())
-    unknowns_.add_load(p, {loads.F[p], loads.M[p] / unknowns_.length()}, x);
-  return x;
-}
-
-const StaticBody::Loaded& StaticBody::loads_at_hand() const {
-  if (loaded_) return *loaded_;
-  const std::size_t n = model_.particles();
-  Loaded l;
-  l.loads = {PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)};
-  add_applied(load_factor_, l.loads);
-  l.largest = max_norm(on_unknowns(l.loads));
-  for (const BondId k : state_.bonds.ids()) {
-    const Bond& b = state_.bonds[k];
-    const BondLoads<double> f = bond_loads(state_, k);
-    l.loads.F[b.i] += f.F, l.loads.F[b.j] -= f.F;
-    l.loads.M[b.i] += f.M_ij, l.loads.M[b.j] += f.M_ji;
-    if (!b.image_j.is_itself()) add_image(b.image_j, f.F, l);
-    for (const double force :
-         {norm(f.F), norm(f.M_ij) / unknowns_.length(), norm(f.M_ji) / unknowns_.length()})
-      l.largest = larger(l.largest, force);
-  }
-  for_touching([&](ParticleId i, ParticleId j, const Image& of_j, double) {
-    const Vec3d F = touch(model_, state_, i, j, of_j).loads.F;
-    l.loads.F[i] += F, l.loads.F[j] -= F;
-    if (!of_j.is_itself()) add_image(of_j, F, l);
-    l.largest = larger(l.largest, norm(F));
-  });
-  for (const RestTerm* t : terms_.all()) t->add_loads(l);
-  l.unbalanced = on_unknowns(l.loads);
-  if (has_free_cell()) balance_cell(l);
-  if (relief_.size() > 0) l.unbalanced -= (1.0 - load_factor_) * relief_;
-  loaded_ = std::move(l);
-  return *loaded_;
-}
-
 Energies StaticBody::energies() const {
   Energies e = mutual_energies(model_, state_, [this](const auto& visit) { for_touching(visit); });
   for (const RestTerm* t : terms_.all()) e.contact += t->energy();
@@ -252,7 +213,7 @@ void StaticBody::leave_faces(BondId k) {
   const Bond& b = state_.bonds[k];
   const BondHistory cracked = b.law->crack(b, bond_pose(b, state_), state_.bond_history[k]);
   state_.bond_history[k] = cracked;
-  if (!std::exchange(flows_, true)) lay_out({});
+  if (!std::exchange(flows_, true)) lay_out();
   accepted_ = state_.bond_history;
   accept();
   placed();

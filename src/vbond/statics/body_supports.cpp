@@ -1,5 +1,6 @@
 // What acts on a body from outside: supports and loads.
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <utility>
 
@@ -181,6 +182,21 @@ double StaticBody::power_of_supports() const {
   for (const Hold& h : holds_)
     add_power(stage_.supports[h.support], h.particle, h.held, h.axes.get(), power[h.support]);
   return std::accumulate(power.begin(), power.end(), 0.0);
+}
+
+double StaticBody::share_held(const Support& s) const {
+  constexpr double rounding = 1e3;
+  const Loaded& l = loads_at_hand();
+  double largest = 0.0;
+  for (const ParticleId p : s.particles)
+    for (int dof = 0; dof < 6; ++dof)
+      if (s.held[static_cast<std::size_t>(dof)]) {
+        const Movement load{l.loads.F[p], l.loads.M[p] / unknowns_.length()};
+        const HeldAxes* axes = s.axes ? &*s.axes : nullptr;
+        const Vec3d& axis = axis_of(axes, static_cast<std::size_t>(dof));
+        largest = larger(largest, std::abs(dot(dof < 3 ? load.shift : load.turn, axis)));
+      }
+  return largest <= rounding * rounding_of_force_ ? 0.0 : largest / l.largest;
 }
 
 Reaction StaticBody::reaction(const std::vector<ParticleId>& particles) const {

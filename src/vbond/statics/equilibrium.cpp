@@ -1,3 +1,4 @@
+// Balances from load factor 0 to 1: LoadSteps::run and what it calls, in this order.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,11 +7,9 @@
 #include <utility>
 
 #include "vbond/core/error.hpp"
-#include "vbond/statics/detail/dense.hpp"
 #include "vbond/statics/detail/eigen.hpp"
 #include "vbond/statics/detail/kinds.hpp"
-#include "vbond/statics/detail/stability.hpp"
-#include "vbond/statics/detail/valley.hpp"
+#include "vbond/statics/detail/saddle.hpp"
 #include "vbond/statics/detail/work.hpp"
 
 namespace vbond {
@@ -23,20 +22,14 @@ int snapped_bonds(const State& s) {
   return snapped;
 }
 
-/// An orthonormal basis of what these orthonormal columns span, and x, which is nearly among them: x first.
-DenseMatrix with_first(const Vector& x, const DenseMatrix& columns) {
-  const DenseMatrix rest = columns - x * (x.transpose() * columns);
-  DenseMatrix all(x.size(), std::max<Eigen::Index>(1, columns.cols()));
-  all << x, singular_values(rest).U.leftCols(all.cols() - 1);
-  return all;
-}
-
 /// A load step: where it began, where the tangent there says that it ends, and how much of the load factor
 /// that is.
 struct Way {
   Placement from, predicted;
   double length = 0;
+  int snapped = 0;        ///< bonds, at the start
   bool foreseen = false;  ///< the body was stable at the start, so that there is a prediction
+  bool jumped = false;    ///< the body did, and that has been told
 };
 
 /// Walks the load factor from 0 to 1.
@@ -45,59 +38,23 @@ class LoadSteps {
   LoadSteps(StaticBody& body, const StaticHooks& hooks, StaticResult& result)
       : body_(body), hooks_(hooks), result_(result), solver_(body.stage().newton.solver) {}
 
+  /// Balance after balance. A load step that leads to none, or to one that the body would not come to, is
+  /// taken back, and tried with half its length.
   void run() {
     begin();
-    double step = 1.0 / std::max(1, body_.stage().steps);
-    const double longest = step;
     while (body_.load_factor() < 1.0) {
-      const int snapped = snapped_bonds(body_.state());
-      const bool last_resort = step < 1e-4 * longest;
-      const Way way = advance(step);
-      NewtonOutcome outcome = settle(last_resort ? Reach::far : Reach::near);
-      if (const auto fault = body_.fault_of_terms()) outcome.converged = false, outcome.why = *fault;
-      if (outcome.interrupted) return interrupted(way.from);
-      if (!outcome.converged || (snapped_bonds(body_.state()) > snapped && !last_resort)) {
-        retry(way, step);
-        if (last_resort) {
-          const std::string loose = free_motions_in_words(body_), of_cell = loose_cell_in_words(body_);
-          give_up(fmt::format(
-              "no balance found beyond load factor {:.6g}: {}{}{}", way.from.load_factor,
-              outcome.converged ? "bonds would snap over, beyond the range of their law" : outcome.why,
-              loose.empty() ? "" : "; " + loose, of_cell));
-        }
-        continue;
-      }
-      judge();
-      bool told_jump = false;
-      if (may_be_a_jump(way)) {
-        const std::optional<bool> back = comes_back(way.from);
-        if (!back) return interrupted(way.from);
-        if (*back && way.length > longest / 64) {  // the jump may be in one half of the step
-          retry(way, step);
-          continue;
-        }
-        if (!*back) tell_jump(way.from), told_jump = true;
-        judge();
-      }
-      const bool may_be_shorter = body_.flows() && way.length > longest / 64;
-      if (body_.flows() && !told_jump && !closes(way, may_be_shorter)) {
-        retry(way, step);
-        continue;
-      }
-      outcome = accept(std::move(outcome), may_be_shorter);
-      if (outcome.interrupted) return interrupted(way.from);
-      if (!outcome.converged) {
-        retry(way, step);
-        continue;
-      }
-      step = std::min(longest, 2.0 * step);
+      Way way = predict();                         // the load step, along the tangent
+      const bool accepted = find_balance(way) &&   // residual, tangent, solution, line search: newton.cpp
+                            came_smoothly(way) &&  // stability; no jump
+                            closes(way) &&         // the work on the way is what bonds have taken up
+                            leave_saddles(way);    // downhill, where the balance is unstable
+      if (interrupted_) return stop_at(way.from);
+      if (accepted)
+        go_on_from_here();  // books, and what is told of a point
+      else
+        retry(way);
     }
-    result_.smallest_eigenvalue = smallest_eigenvalue(body_, solver_, stability_);
-    if (result_.smallest_eigenvalue && !result_.neutral &&
-        is_neutral(body_, stability_, *result_.smallest_eigenvalue)) {
-      result_.neutral = true;
-      tell_neutral();
-    }
+    judge_the_last();
     result_.ended = "converged";
   }
   const TangentSolver& solver() const { return solver_; }
@@ -114,53 +71,13 @@ class LoadSteps {
     if (body_.terms().walls.moves() || body_.flows()) before_ = stand_of(body_);
   }
 
-  /// What walls have done since the last balance.
-  void add_work_of_walls() {
-    if (!body_.terms().walls.moves()) return;
-    Stand now = stand_of(body_);
-    largest_energy_ = std::max({largest_energy_, std::abs(before_.stored), std::abs(now.stored)});
-    const Vector work = WorkOnTheWay(body_, solver_, result_).between(before_, now, largest_energy_);
-    factored_here_ = false;
-    body_.terms().walls.add_work(work.tail(now.power_of_walls.size()));
-    before_ = std::move(now);
-  }
-
-  /// Whether what bonds have stored and dissipated in a step is the work on the way, or, where it may not be
-  /// shorter, is told not to be. A jump that leads to where the tangent may well have led shows by that.
-  bool closes(const Way& way, bool may_be_shorter) {
-    constexpr double part = 0.01;
-    const double missing = WorkOnTheWay(body_, solver_, result_).missing(before_, stand_of(body_), part);
-    factored_here_ = false;
-    if (missing == 0.0) return true;
-    if (may_be_shorter) return false;
-    if (!std::exchange(told_missing_, true))
-      tell(fmt::format(
-          "between load factors {:.6g} and {:.6g} bonds store and dissipate less or more than the "
-          "work, by {:.2g} of it: the body may have jumped, or flows in steps that are too long; "
-          "more steps (steps = {}) make them shorter",
-          way.from.load_factor, body_.load_factor(), missing, 4 * std::max(1, body_.stage().steps)));
-    return true;
-  }
-
-  void interrupted(const Placement& last_balance) {
-    body_.restore(last_balance);
-    result_.ended = "interrupted";
-  }
-
-  /// Back, for a step half as long.
-  void retry(const Way& way, double& step) {
-    body_.restore(way.from);
-    factored_here_ = false;
-    step = 0.5 * std::min(step, way.length);
-  }
-
-  /// Along the tangent, at most by `step` of the load factor and not past the next of the load factors that
+  /// Along the tangent, at most by step_ of the load factor and not past the next of the load factors that
   /// the stage asks for, k / steps.
-  Way advance(double step) {
-    Way way{body_.placement(), {}, 0, false};
+  Way predict() {
+    Way way{body_.placement(), {}, 0, snapped_bonds(body_.state())};
     const double now = body_.load_factor(), steps = std::max(1, body_.stage().steps);
     const double mark = (std::floor(now * steps + 1e-9) + 1.0) / steps;
-    step = std::min(step, mark - now);
+    double step = std::min(step_, mark - now);
     Vector x = Vector::Zero(body_.unknowns().size());
     const bool at_hand = std::exchange(factored_here_, false);
     if (solver_.factors_full(body_) || at_hand || solver_.factor_definite(body_)) {
@@ -171,51 +88,45 @@ class LoadSteps {
     const double change = body_.largest_bond_change(x);
     if (std::isfinite(change) && change * step > largest_prediction) step = largest_prediction / change;
     while (body_.largest_change_of_terms(step * x, step) > largest_prediction) step *= 0.5;
-    const double next = now + step > mark - 1e-12 ? mark : now + step;
-    body_.move(step * x, next);
+    body_.move(step * x, now + step > mark - 1e-12 ? mark : now + step);
     way.predicted = body_.placement();
     way.length = step;
     return way;
+  }
+
+  /// False where there is none near by, or only one with more bonds that have snapped over. If steps have
+  /// become so short that there is no other way one is looked for far off as well.
+  bool find_balance(const Way& way) {
+    const bool last_resort = step_ < 1e-4 * longest_;
+    outcome_ = settle(last_resort ? Reach::far : Reach::near);
+    if (const auto fault = body_.fault_of_terms()) outcome_.converged = false, outcome_.why = *fault;
+    interrupted_ = outcome_.interrupted;
+    if (interrupted_) return false;
+    if (last_resort && !outcome_.converged) give_up_beyond(way);
+    return outcome_.converged && (last_resort || snapped_bonds(body_.state()) <= way.snapped);
   }
 
   NewtonOutcome settle(Reach reach) {
     return vbond::settle(body_, solver_, body_.stage().newton, hooks_.interrupted, result_.iterations, reach);
   }
 
-  NewtonOutcome go_downhill(int patience = 1) {
-    NewtonSettings settings = body_.stage().newton;
-    settings.iterations *= patience;
-    NewtonOutcome outcome = minimise(body_, solver_, settings, hooks_.interrupted);
-    result_.iterations += outcome.iterations();
-    return outcome;
+  void judge() {
+    stability_ = judge_stability(body_, solver_);
+    factored_here_ = stability_.definite;
   }
 
-  /// A balance that is unstable is left, downhill, unless the stage wants it kept. Not converged: none is
-  /// found downhill, and a shorter step may come to another.
-  NewtonOutcome accept(NewtonOutcome outcome, bool may_be_shorter) {
-    constexpr int most_tries = 3;
-    for (int k = 0; k < most_tries && stability_.unstable.value_or(0) > 0; ++k) {
-      if (body_.stage().at_saddle == AtSaddle::keep) break;
-      outcome = leave_saddle(may_be_shorter);
-      if (outcome.interrupted || !outcome.converged) return outcome;
-      result_.left_saddle = true;
-    }
-    add_work_of_walls();
-    result_.residuals = outcome.residuals;
-    result_.unstable = stability_.unstable;
-    result_.neutral = stability_.neutral;
-    result_.jumped = jumped_;
-    if (stability_.neutral) tell_neutral();
-    tell_of_moments();
-    report_point(body_, body_.load_factor() < 1.0 ? PointKind::regular : PointKind::end, stability_.unstable,
-                 hooks_, result_);
-    if (body_.flows() && !body_.terms().walls.moves()) before_ = stand_of(body_);
-    return outcome;
+  /// Judges the balance. False if the body has jumped there and a shorter step may tell where from.
+  bool came_smoothly(Way& way) {
+    judge();
+    if (!may_be_a_jump(way)) return true;
+    const bool back = comes_back(way.from);
+    if (interrupted_ || (back && is_long(way))) return false;  // the jump may be in one half of the step
+    if (!back) tell_jump(way);
+    judge();
+    return true;
   }
 
-  double distance_to_here(const Placement& p) const {
-    return distance(p, body_.placement(), body_.unknowns().length());
-  }
+  bool is_long(const Way& way) const { return way.length > longest_ / 64; }
 
   /// Whether balance lies far from where the tangent at the start, or the one here, says that it should be. A
   /// smooth step goes as far as both say, but for its curvature: twice as far is no such step.
@@ -235,10 +146,14 @@ class LoadSteps {
     return went > far * expected;
   }
 
-  /// Whether the body goes back to where it came from when the load does; nothing if interrupted. One that
-  /// has moved on from stable balance to stable balance does, to the tolerance of balance: a part in a
-  /// thousand of the way is more than that, and less than any jump.
-  std::optional<bool> comes_back(const Placement& from) {
+  double distance_to_here(const Placement& p) const {
+    return distance(p, body_.placement(), body_.unknowns().length());
+  }
+
+  /// Whether the body goes back to where it came from when the load does. One that has moved on from stable
+  /// balance to stable balance does, to the tolerance of balance: a part in a thousand of the way is more
+  /// than that, and less than any jump.
+  bool comes_back(const Placement& from) {
     constexpr double same = 1e-3;
     const Placement here = body_.placement();
     const double went = distance_to_here(from);
@@ -246,94 +161,116 @@ class LoadSteps {
     const NewtonOutcome back = settle(Reach::near);
     const bool same_place = !back.converged || distance_to_here(from) <= same * went;
     body_.restore(here);
-    if (back.interrupted) return std::nullopt;
+    interrupted_ = back.interrupted;
     return same_place;
   }
 
-  void tell_jump(const Placement& from) {
-    jumped_ = true;
+  void tell_jump(Way& way) {
+    jumped_ = way.jumped = true;
     tell(fmt::format(
         "between load factors {:.6g} and {:.6g} the body jumped, in a step that moved it by up to "
         "{:.3g}: taken back to the first it does not come back; kind = \"path\" follows what "
         "lies between",
-        from.load_factor, body_.load_factor(), distance_to_here(from)));
+        way.from.load_factor, body_.load_factor(), distance_to_here(way.from)));
   }
 
-  /// Downhill along the most negative mode, its largest component positive, and counts again. If that fails
-  /// the unstable balance is kept as the last point.
-  NewtonOutcome leave_saddle(bool may_fail) {
-    constexpr double nudge = 0.02;  // of the length scale: far above rounding, far below a change of shape
+  /// Whether what bonds that flow have stored and dissipated in a step is the work on the way, or, where it
+  /// may not be shorter, is told not to be. A jump that leads to where the tangent may well have led shows by
+  /// that.
+  bool closes(const Way& way) {
+    constexpr double part = 0.01;
+    if (!body_.flows() || way.jumped) return true;
+    const double missing = work_.missing(before_, stand_of(body_), part);
+    factored_here_ = false;
+    if (missing == 0.0) return true;
+    if (is_long(way)) return false;
+    if (!std::exchange(told_missing_, true))
+      tell(fmt::format(
+          "between load factors {:.6g} and {:.6g} bonds store and dissipate less or more than the "
+          "work, by {:.2g} of it: the body may have jumped, or flows in steps that are too long; "
+          "more steps (steps = {}) make them shorter",
+          way.from.load_factor, body_.load_factor(), missing, 4 * std::max(1, body_.stage().steps)));
+    return true;
+  }
+
+  /// Unless the stage wants an unstable balance kept. False: no other is found, but a shorter step may come
+  /// to one.
+  bool leave_saddles(const Way& way) {
+    constexpr int most_tries = 3;
+    const bool may_fail = body_.flows() && is_long(way);
+    for (int k = 0; k < most_tries && stability_.unstable.value_or(0) > 0; ++k) {
+      if (body_.stage().at_saddle == AtSaddle::keep) break;
+      if (!leave_saddle(may_fail)) return false;
+      result_.left_saddle = true;
+    }
+    return true;
+  }
+
+  /// If it may not fail and does, the unstable balance is the last point.
+  bool leave_saddle(bool may_fail) {
     const Placement saddle = body_.placement();
     const int unstable = stability_.unstable.value();
-    const double lowest = stability_.lowest->values[0];
-    const Vector x = stability_.lowest->vectors.col(0);
-    Eigen::Index largest = 0;
-    x.cwiseAbs().maxCoeff(&largest);
-    const double first = nudge * body_.unknowns().length() / x[largest];
-    constexpr int patience = 5;  // just above a critical load the valley is long and flat
-    NewtonOutcome outcome = from_beside(saddle, first * x, 1);
-    if (still_unstable(outcome)) {
-      const DenseMatrix modes = unstable_modes(saddle, x, lowest, unstable);
-      const ValleyWalk walk = walk_down_valley(body_, solver_, modes, lowest, first, hooks_.interrupted);
-      result_.iterations += walk.iterations;
-      if (walk.found) outcome = correct_and_count();
-      if (still_unstable(outcome)) outcome = from_beside(saddle, first * x, patience);
-    }
-    if (!outcome.converged && !outcome.interrupted) {
-      if (may_fail) return outcome;
+    outcome_ = vbond::leave_saddle(body_, solver_, stability_, hooks_.interrupted, result_.iterations);
+    factored_here_ = stability_.definite;
+    interrupted_ = outcome_.interrupted;
+    if (interrupted_ || (!outcome_.converged && may_fail)) return false;
+    if (!outcome_.converged) {
       body_.restore(saddle);
       report_point(body_, PointKind::regular, unstable, hooks_, result_);
       give_up(fmt::format(
           "the balance at load factor {:.6g} is unstable, and none was found downhill from it: {}",
-          saddle.load_factor, outcome.why));
+          saddle.load_factor, outcome_.why));
     }
     tell(fmt::format(
         "load factor {:.6g}: the balance is unstable ({} negative eigenvalues of the tangent) and "
         "was left along its lowest mode; the next one downhill is up to {:.3g} away",
         saddle.load_factor, unstable, distance_to_here(saddle)));
-    return outcome;
+    return true;
   }
 
-  NewtonOutcome settle_and_count(int patience) {
-    const NewtonOutcome outcome = go_downhill(patience);
-    if (outcome.converged) judge();
-    return outcome;
+  void stop_at(const Placement& last_balance) {
+    body_.restore(last_balance);
+    result_.ended = "interrupted";
   }
 
-  /// From next to a balance, which may be too flat to be gone down to: straight, and downhill if that fails.
-  NewtonOutcome correct_and_count() {
-    const Placement here = body_.placement();
-    const NewtonOutcome outcome = correct(body_, solver_, body_.stage().newton, hooks_.interrupted);
-    result_.iterations += outcome.iterations();
-    if (outcome.converged) judge();
-    if (!still_unstable(outcome)) return outcome;
-    body_.restore(here);
-    return settle_and_count(1);
+  /// Back, for a step half as long.
+  void retry(const Way& way) {
+    body_.restore(way.from);
+    factored_here_ = false;
+    step_ = 0.5 * std::min(step_, way.length);
   }
 
-  NewtonOutcome from_beside(const Placement& saddle, const Vector& x, int patience) {
-    body_.restore(saddle);
-    body_.move(x, saddle.load_factor);
-    return settle_and_count(patience);
+  /// The next point.
+  void go_on_from_here() {
+    add_work_of_walls();
+    result_.residuals = outcome_.residuals;
+    result_.unstable = stability_.unstable;
+    result_.neutral = stability_.neutral;
+    result_.jumped = jumped_;
+    if (stability_.neutral) tell_neutral();
+    tell_of_moments();
+    report_point(body_, body_.load_factor() < 1.0 ? PointKind::regular : PointKind::end, stability_.unstable,
+                 hooks_, result_);
+    if (body_.flows() && !body_.terms().walls.moves()) before_ = stand_of(body_);
+    step_ = std::min(longest_, 2.0 * step_);
   }
 
-  bool still_unstable(const NewtonOutcome& way) const {
-    return !way.interrupted && (!way.converged || stability_.unstable.value_or(0) > 0);
+  /// What walls have done since the last balance.
+  void add_work_of_walls() {
+    if (!body_.terms().walls.moves()) return;
+    Stand now = stand_of(body_);
+    largest_energy_ = std::max({largest_energy_, std::abs(before_.stored), std::abs(now.stored)});
+    const Vector work = work_.between(before_, now, largest_energy_);
+    factored_here_ = false;
+    body_.terms().walls.add_work(work.tail(now.power_of_walls.size()));
+    before_ = std::move(now);
   }
 
-  /// Back at the saddle: its lowest mode x, and the others that are unstable.
-  DenseMatrix unstable_modes(const Placement& saddle, const Vector& x, double lowest, int unstable) {
-    constexpr int most = 6;
-    body_.restore(saddle);
-    if (stability_.lowest->vectors.cols() >= unstable)  // by multigrid
-      return with_first(x, stability_.lowest->vectors.leftCols(std::min(unstable, most)));
-    const double bound = lowest - std::abs(lowest);
-    return with_first(x, smallest_eigenpairs(body_.tangent(), std::min(unstable, most), bound).vectors);
-  }
-
-  void judge() {
-    stability_ = judge_stability(body_, solver_);
-    factored_here_ = stability_.definite;
+  void judge_the_last() {
+    result_.smallest_eigenvalue = smallest_eigenvalue(body_, solver_, stability_);
+    if (!result_.smallest_eigenvalue || result_.neutral) return;
+    result_.neutral = is_neutral(body_, stability_, *result_.smallest_eigenvalue);
+    if (result_.neutral) tell_neutral();
   }
 
   /// What is known of a balance whose moments from outside have no potential.
@@ -356,6 +293,13 @@ class LoadSteps {
 
   void tell(const std::string& text) const { vbond::tell(body_.stage(), hooks_, text); }
 
+  [[noreturn]] void give_up_beyond(const Way& way) {
+    body_.restore(way.from);
+    const std::string loose = free_motions_in_words(body_), of_cell = loose_cell_in_words(body_);
+    give_up(fmt::format("no balance found beyond load factor {:.6g}: {}{}{}", way.from.load_factor,
+                        outcome_.why, loose.empty() ? "" : "; " + loose, of_cell));
+  }
+
   [[noreturn]] void give_up(const std::string& finding) const {
     throw NoEquilibrium(
         body_.stage().name, finding,
@@ -367,13 +311,18 @@ class LoadSteps {
   const StaticHooks& hooks_;
   StaticResult& result_;
   TangentSolver solver_;
+  WorkOnTheWay work_{body_, solver_, result_};
+  const double longest_ = 1.0 / std::max(1, body_.stage().steps);
+  double step_ = longest_;      // how much of the load factor to try next
+  NewtonOutcome outcome_;       // of the balance at hand
+  Stability stability_;         // and what the tangent says of it
+  bool factored_here_ = false;  // the solver's factor is still that of its tangent
+  bool interrupted_ = false;
   bool jumped_ = false;        // so far
-  Stand before_;               // the last balance, where walls move or bonds flow
   bool told_missing_ = false;  // work
   bool told_divergence_ = false;
-  double largest_energy_ = 0;   // so far
-  Stability stability_;         // of the last balance
-  bool factored_here_ = false;  // the solver's factor is still that of its tangent
+  Stand before_;               // the last balance, where walls move or bonds flow
+  double largest_energy_ = 0;  // so far
 };
 
 }  // namespace

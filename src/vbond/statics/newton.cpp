@@ -46,93 +46,7 @@ void correct_roughly(StaticBody& body, TangentSolver& solver, const NewtonSettin
   }
 }
 
-}  // namespace
-
-double change_of(const StaticBody& body, const Vector& x) {
-  return larger(body.largest_bond_change(x), body.largest_change_of_terms(x));
-}
-
-bool in_balance(const StaticBody& body, const NewtonSettings& settings) {
-  return body.residual() <= std::max(settings.tolerance, body.residual_of_rounding());
-}
-
-bool close_to_rounding(const StaticBody& body) {
-  return body.residual() <= 100.0 * body.residual_of_rounding();
-}
-
-bool balanced(const StaticBody& body, const NewtonSettings& settings, const std::vector<double>& residuals) {
-  if (in_balance(body, settings)) return true;
-  const std::size_t n = residuals.size();
-  const bool stalled = n >= 3 && residuals[n - 1] > 0.3 * residuals[n - 3];
-  return stalled && close_to_rounding(body);
-}
-
-NewtonOutcome iterate(StaticBody& body, const NewtonSettings& settings,
-                      const std::function<bool()>& interrupted, const NewtonStep& step) {
-  NewtonOutcome outcome;
-  std::vector<double>& residuals = outcome.residuals;
-  for (int k = 0; k <= settings.iterations; ++k) {
-    residuals.push_back(body.residual());
-    if (balanced(body, settings, residuals)) {
-      outcome.converged = true;
-      return outcome;
-    }
-    if (interrupted && interrupted()) {
-      outcome.interrupted = true;
-      outcome.why = "interrupted";
-      return outcome;
-    }
-    if (!std::isfinite(residuals.back())) {
-      outcome.why = why_not_finite(body);
-      return outcome;
-    }
-    if (std::optional<NewtonStop> stop = step(residuals)) {
-      outcome.converged = stop->balanced;
-      outcome.why = std::move(stop->why);
-      return outcome;
-    }
-  }
-  outcome.why = fmt::format("{} iterations, unbalanced force {:.2g} of the largest", settings.iterations,
-                            residuals.back());
-  return outcome;
-}
-
-NewtonOutcome correct(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings,
-                      const std::function<bool()>& interrupted) {
-  constexpr double growth =
-      10.0;  // of the residual from one iteration to the next: first steps may overshoot
-  const auto singular = [&] {
-    NewtonStop stop{"the tangent is singular"};
-    if (!solver.factors_full(body))
-      stop.why += ": " + body.unknowns().name(solver.last_factor().singular_unknown());
-    return stop;
-  };
-  const NewtonStep step = [&](const std::vector<double>& residuals) -> std::optional<NewtonStop> {
-    const std::size_t n = residuals.size();
-    if (n > 2 && !(residuals[n - 1] < growth * residuals[n - 2]))
-      return NewtonStop{
-          fmt::format("the unbalanced force grows, to {:.2g} of the largest", residuals.back())};
-    correct_roughly(body, solver, settings, [](const Placement&) { return true; });
-    if (in_balance(body, settings)) return {};
-    if (!solver.take_full(body)) return singular();
-    Vector x;
-    try {
-      x = solver.solve_full(body, body.unbalanced(), accuracy_for(body, settings));
-    } catch (const NoConvergence& e) {  // of multigrid
-      return NewtonStop{e.what()};
-    }
-    if (x.size() == 0 && !solver.by_multigrid()) return singular();
-    if (x.size() == 0 || !x.allFinite() || !(change_of(body, x) <= largest_change))
-      return NewtonStop{"a correction turns bonds too far"};
-    body.move(x, body.load_factor());
-    return {};
-  };
-  return iterate(body, settings, interrupted, step);
-}
-
-namespace {
-
-/// One iteration of minimise: a direction that goes downhill, and how far.
+/// Of one iteration of minimise: a direction that goes downhill, and how far.
 class Descent {
  public:
   Descent(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings)
@@ -143,28 +57,16 @@ class Descent {
     if (mean_stiffness_ == 0.0) mean_stiffness_ = max_norm(body.unbalanced()) / body.unknowns().length();
   }
 
-  /// False if nothing lower, or better balanced, was found in the direction.
-  bool step() {
-    if (shift_ == 0.0) step_roughly();
-    if (in_balance(body_, settings_)) return true;
-    const Vector x = direction();
-    return x.size() > 0 && search(x);
-  }
-
- private:
-  /// Near balance the potential says nothing any more of a step that lowers it by so much.
-  bool is_unknowable(double lowering) const {
-    return std::abs(lowering) <= 1e3 * body_.rounding_of_potential();
-  }
-
-  void step_roughly() {
+  void correct_roughly() {
+    if (shift_ != 0.0) return;
     double energy = body_.potential();
-    correct_roughly(body_, solver_, settings_, [&](const Placement& from) {
+    vbond::correct_roughly(body_, solver_, settings_, [&](const Placement& from) {
       const double change = body_.potential_change(from, std::exchange(energy, body_.potential()));
       return change < 0.0 || is_unknowable(change);
     });
   }
 
+  /// Empty if there is none.
   Vector direction() {
     const Vector& g = body_.unbalanced();
     const auto downhill = [&g](const Vector& x) { return x.size() > 0 && x.allFinite() && x.dot(g) > 0.0; };
@@ -178,20 +80,7 @@ class Descent {
     return downhill(x) ? limited(body_, x) : Vector();
   }
 
-  /// The least shift, within a factor of 10, that makes the tangent positive definite; above the present one.
-  bool find_shift() {
-    for (double shift = std::max(100.0 * shift_, least_shift()); shift < 1e6 * mean_stiffness_;
-         shift *= 100.0) {
-      if (!solver_.factor_definite(body_, shift)) continue;
-      shift_ = 0.1 * shift;
-      if (solver_.factor_definite(body_, shift_)) return true;
-      shift_ = shift;
-      return solver_.factor_definite(body_, shift_);
-    }
-    return false;
-  }
-  double least_shift() const { return 1e-12 * mean_stiffness_; }
-
+  /// Half as far until the potential is lower, or near balance the residual. False: it never is.
   bool search(const Vector& x) {
     const Placement from = body_.placement();
     const double energy = body_.potential();
@@ -211,6 +100,26 @@ class Descent {
     body_.restore(from);
     return false;
   }
+
+ private:
+  /// Near balance the potential says nothing any more of a step that lowers it by so much.
+  bool is_unknowable(double lowering) const {
+    return std::abs(lowering) <= 1e3 * body_.rounding_of_potential();
+  }
+
+  /// The least shift, within a factor of 10, that makes the tangent positive definite; above the present one.
+  bool find_shift() {
+    for (double shift = std::max(100.0 * shift_, least_shift()); shift < 1e6 * mean_stiffness_;
+         shift *= 100.0) {
+      if (!solver_.factor_definite(body_, shift)) continue;
+      shift_ = 0.1 * shift;
+      if (solver_.factor_definite(body_, shift_)) return true;
+      shift_ = shift;
+      return solver_.factor_definite(body_, shift_);
+    }
+    return false;
+  }
+  double least_shift() const { return 1e-12 * mean_stiffness_; }
 
   double try_at(double length, const Vector& x, const Placement& from, double energy) {
     body_.restore(from);
@@ -240,18 +149,6 @@ class Descent {
 
 }  // namespace
 
-NewtonOutcome minimise(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings,
-                       const std::function<bool()>& interrupted) {
-  Descent descent(body, solver, settings);
-  const NewtonStep step = [&](const std::vector<double>& residuals) -> std::optional<NewtonStop> {
-    if (descent.step()) return {};
-    return NewtonStop{
-        fmt::format("no way downhill at an unbalanced force of {:.2g} of the largest", residuals.back()),
-        close_to_rounding(body)};
-  };
-  return iterate(body, settings, interrupted, step);
-}
-
 NewtonOutcome settle(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings,
                      const std::function<bool()>& interrupted, int& iterations, Reach reach) {
   if (body.has_moment_part()) {
@@ -274,6 +171,95 @@ NewtonOutcome settle(StaticBody& body, TangentSolver& solver, const NewtonSettin
   NewtonOutcome last = correct(body, solver, settings, interrupted);
   iterations += last.iterations();
   return last.converged || last.interrupted ? last : outcome;
+}
+
+NewtonOutcome minimise(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings,
+                       const std::function<bool()>& interrupted) {
+  Descent descent(body, solver, settings);
+  const NewtonStep step = [&](const std::vector<double>& residuals) -> std::optional<NewtonStop> {
+    descent.correct_roughly();  // without a tangent, while that leads on
+    if (in_balance(body, settings)) return {};
+    const Vector x = descent.direction();  // by the tangent, which is shifted until it is positive definite
+    if (x.size() > 0 && descent.search(x)) return {};  // as far along x as the potential falls
+    return NewtonStop{
+        fmt::format("no way downhill at an unbalanced force of {:.2g} of the largest", residuals.back()),
+        close_to_rounding(body)};
+  };
+  return iterate(body, settings, interrupted, step);
+}
+
+NewtonOutcome iterate(StaticBody& body, const NewtonSettings& settings,
+                      const std::function<bool()>& interrupted, const NewtonStep& step) {
+  NewtonOutcome outcome;
+  for (int k = 0; k <= settings.iterations; ++k) {
+    outcome.residuals.push_back(body.residual());
+    outcome.converged = balanced(body, settings, outcome.residuals);
+    outcome.interrupted = !outcome.converged && interrupted && interrupted();
+    if (outcome.converged || outcome.interrupted) return outcome;
+    if (!std::isfinite(outcome.residuals.back())) {
+      outcome.why = why_not_finite(body);
+      return outcome;
+    }
+    if (std::optional<NewtonStop> stop = step(outcome.residuals)) {
+      outcome.converged = stop->balanced;
+      outcome.why = std::move(stop->why);
+      return outcome;
+    }
+  }
+  outcome.why = fmt::format("{} iterations, unbalanced force {:.2g} of the largest", settings.iterations,
+                            outcome.residuals.back());
+  return outcome;
+}
+
+bool in_balance(const StaticBody& body, const NewtonSettings& settings) {
+  return body.residual() <= std::max(settings.tolerance, body.residual_of_rounding());
+}
+
+bool close_to_rounding(const StaticBody& body) {
+  return body.residual() <= 100.0 * body.residual_of_rounding();
+}
+
+bool balanced(const StaticBody& body, const NewtonSettings& settings, const std::vector<double>& residuals) {
+  if (in_balance(body, settings)) return true;
+  const std::size_t n = residuals.size();
+  const bool stalled = n >= 3 && residuals[n - 1] > 0.3 * residuals[n - 3];
+  return stalled && close_to_rounding(body);
+}
+
+double change_of(const StaticBody& body, const Vector& x) {
+  return larger(body.largest_bond_change(x), body.largest_change_of_terms(x));
+}
+
+NewtonOutcome correct(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings,
+                      const std::function<bool()>& interrupted) {
+  constexpr double growth = 10.0;  // of the residual in an iteration: first steps may overshoot
+  const auto singular = [&] {
+    NewtonStop stop{"the tangent is singular"};
+    if (!solver.factors_full(body))
+      stop.why += ": " + body.unknowns().name(solver.last_factor().singular_unknown());
+    return stop;
+  };
+  const NewtonStep step = [&](const std::vector<double>& residuals) -> std::optional<NewtonStop> {
+    const std::size_t n = residuals.size();
+    if (n > 2 && !(residuals[n - 1] < growth * residuals[n - 2]))
+      return NewtonStop{
+          fmt::format("the unbalanced force grows, to {:.2g} of the largest", residuals.back())};
+    correct_roughly(body, solver, settings, [](const Placement&) { return true; });
+    if (in_balance(body, settings)) return {};
+    if (!solver.take_full(body)) return singular();
+    Vector x;
+    try {
+      x = solver.solve_full(body, body.unbalanced(), accuracy_for(body, settings));
+    } catch (const NoConvergence& e) {  // of multigrid
+      return NewtonStop{e.what()};
+    }
+    if (x.size() == 0 && !solver.by_multigrid()) return singular();
+    if (x.size() == 0 || !x.allFinite() || !(change_of(body, x) <= largest_change))
+      return NewtonStop{"a correction turns bonds too far"};
+    body.move(x, body.load_factor());
+    return {};
+  };
+  return iterate(body, settings, interrupted, step);
 }
 
 }  // namespace vbond

@@ -252,7 +252,9 @@ class StaticBody {
   const Stiffness& stiffness_at_hand() const;
   void add_applied(double load_factor, Loads& loads) const;
   Loads applied_loads(double load_factor) const;
-  void lay_out(const std::vector<Assembly::Pair>& touching) const;
+  void lay_out() const;
+  void clear_stiffness() const;
+  void begin_load_direction() const;
   void add_pair(ParticleId i, ParticleId j, const Image& of_j, const Assembly::Block& d) const;
   void add_arms() const;
   void add_followers() const;
@@ -264,7 +266,6 @@ class StaticBody {
   void placed();
   void flow();
   void leave_faces(BondId k);
-  void add_load_rates() const;
   const BondHistory& history_before(BondId k) const;
   Vec3d outside_moment(ParticleId p, const Loads& applied) const;
   void add_power(const Support& support, ParticleId p, const HeldDofs& held, const HeldAxes* axes,

@@ -1,10 +1,11 @@
-// The tangent of a body: what bonds, contacts and terms add to it, and the parts that are not symmetric.
+// What bonds, contacts, terms and loads add up to in a body at rest: the residual, and the tangent with the
+// parts of it that are not symmetric.
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <vector>
 
-#include "vbond/model/state_table.hpp"
 #include "vbond/model/touching.hpp"
 #include "vbond/statics/detail/body.hpp"
 
@@ -33,7 +34,90 @@ double skew_of_friction(const Bond& b, const PairTangent<9>& t) {
   return largest > rounding * b.law->stiffness(b).c_A ? largest : 0.0;
 }
 
+/// The pairs of which a bond or contact of these two fills the blocks: of one with an image, in a cell that
+/// gives way, those with the cell as well.
+template <class Visit>
+void for_pairs_of(const Unknowns& unknowns, ParticleId i, ParticleId j, const Image& of_j,
+                  const Visit& visit) {
+  visit(Assembly::Pair{i, j});
+  if (!of_j.is_itself() && unknowns.has_cell())
+    for (const ParticleId p : {i, j}) visit(Assembly::Pair{p, unknowns.cell_node()});
+}
+
 }  // namespace
+
+Vector StaticBody::on_unknowns(const Loads& loads) const {
+  Vector x = Vector::Zero(unknowns_.size());
+  for (const ParticleId p : loads.F.ids())
+    unknowns_.add_load(p, {loads.F[p], loads.M[p] / unknowns_.length()}, x);
+  return x;
+}
+
+const StaticBody::Loaded& StaticBody::loads_at_hand() const {
+  if (loaded_) return *loaded_;
+  const std::size_t n = model_.particles();
+  Loaded l;
+  l.loads = {PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)};
+  const auto push = [&](ParticleId i, ParticleId j, const Image& of_j, const Vec3d& F) {
+    l.loads.F[i] += F, l.loads.F[j] -= F;
+    if (!of_j.is_itself()) add_image(of_j, F, l);
+    l.largest = larger(l.largest, norm(F));
+  };
+  add_applied(load_factor_, l.loads);
+  l.largest = max_norm(on_unknowns(l.loads));
+  for (const BondId k : state_.bonds.ids()) {
+    const Bond& b = state_.bonds[k];
+    const BondLoads<double> f = bond_loads(state_, k);
+    push(b.i, b.j, b.image_j, f.F);
+    l.loads.M[b.i] += f.M_ij, l.loads.M[b.j] += f.M_ji;
+    l.largest = larger(l.largest, larger(norm(f.M_ij), norm(f.M_ji)) / unknowns_.length());
+  }
+  for_touching([&](ParticleId i, ParticleId j, const Image& of_j, double) {
+    push(i, j, of_j, touch(model_, state_, i, j, of_j).loads.F);
+  });
+  for (const RestTerm* t : terms_.all()) t->add_loads(l);
+  l.unbalanced = on_unknowns(l.loads);
+  if (has_free_cell()) balance_cell(l);
+  if (relief_.size() > 0) l.unbalanced -= (1.0 - load_factor_) * relief_;
+  loaded_ = std::move(l);
+  return *loaded_;
+}
+
+double StaticBody::residual() const {
+  const Loaded& l = loads_at_hand();
+  const double unbalanced = max_norm(l.unbalanced);
+  if (has_collapsed() || !std::isfinite(l.largest) || !std::isfinite(unbalanced))
+    return std::numeric_limits<double>::quiet_NaN();
+  return unbalanced == 0.0 ? 0.0 : unbalanced / l.largest;
+}
+
+const StaticBody::Stiffness& StaticBody::stiffness_at_hand() const {
+  if (stiffness_.current) return stiffness_;
+  clear_stiffness();
+  begin_load_direction();
+  for (const BondId k : state_.bonds.ids()) {
+    const Bond& b = state_.bonds[k];
+    if (b.broken) continue;
+    const PairTangent<9> t = b.law->tangent(b, bond_pose(b, state_), history_before(k));
+    add_pair(b.i, b.j, b.image_j, block_of(t, unknowns_.length()));
+    if (is_cracked(b)) stiffness_.friction = larger(stiffness_.friction, skew_of_friction(b, t));
+  }
+  for_touching([&](ParticleId i, ParticleId j, const Image& of_j, double) {
+    add_pair(i, j, of_j, block_of(touch(model_, state_, i, j, of_j)));
+  });
+  if (has_free_cell()) add_own_of_cell();
+  for (const RestTerm* t : terms_.all()) t->add_stiffness(stiffness_);
+  add_arms();
+  add_followers();
+  stiffness_.current = true;
+  return stiffness_;
+}
+
+double StaticBody::residual_beside(const DenseMatrix& columns) const {
+  const Vector& g = loads_at_hand().unbalanced;
+  const double beside = max_norm(g - columns * (columns.transpose() * g)), all = max_norm(g);
+  return all == 0.0 ? residual() : residual() * (beside / all);
+}
 
 PairTangent<3> touch(const Model& m, const State& s, ParticleId i, ParticleId j, const Image& of_j) {
   return contact_tangent(touch_forms(m.contact), touch_numbers(m, i, j), between(s, i, j, of_j), m.radius[i],
@@ -63,17 +147,29 @@ Block block_of(const PairTangent<9>& t, double length) {
   return K;
 }
 
-void StaticBody::lay_out(const std::vector<Assembly::Pair>& touching) const {
-  std::vector<Assembly::Pair> pairs = touching;
-  for (const Bond& b : state_.bonds) {
-    if (b.broken) continue;
-    pairs.push_back({b.i, b.j});
-    if (b.image_j.is_itself() || !has_free_cell()) continue;
-    for (const ParticleId p : {b.i, b.j}) pairs.push_back({p, unknowns_.cell_node()});
-  }
+void StaticBody::lay_out() const {
+  std::vector<Assembly::Pair> pairs;
+  const auto add = [&pairs](const Assembly::Pair& p) { pairs.push_back(p); };
+  for (const Bond& b : state_.bonds)
+    if (!b.broken) for_pairs_of(unknowns_, b.i, b.j, b.image_j, add);
+  for_touching(
+      [&](ParticleId i, ParticleId j, const Image& n, double) { for_pairs_of(unknowns_, i, j, n, add); });
   for (const RestTerm* t : terms_.all()) t->add_pairs(pairs);
   stiffness_.assembly.lay_out(pairs);
   if (flows()) stiffness_.full.lay_out(pairs);
+}
+
+/// All zero, with room for what touches now.
+void StaticBody::clear_stiffness() const {
+  Assembly& assembly = stiffness_.assembly;
+  bool has_room = assembly.version() > 0;
+  const auto look = [&](const Assembly::Pair& p) { has_room = has_room && assembly.has(p.first, p.second); };
+  for_touching(
+      [&](ParticleId i, ParticleId j, const Image& n, double) { for_pairs_of(unknowns_, i, j, n, look); });
+  if (!has_room) lay_out();
+  assembly.clear();
+  if (flows()) stiffness_.full.clear();
+  stiffness_.friction = 0.0;
 }
 
 /// Adds the symmetric part of a pair's block, and what held degrees of freedom that move do to free ones.
@@ -97,12 +193,20 @@ void StaticBody::add_pair(ParticleId i, ParticleId j, const Image& of_j, const B
   if (!of_j.is_itself() && moves_cell()) add_image(i, j, of_j, in_world);
 }
 
-/// What terms change with the load factor goes to the load direction, what it does to a cell that gives way
-/// too.
-void StaticBody::add_load_rates() const {
+/// What grows with the load factor: loads, the relief, which fades, and what terms change. What the latter do
+/// to a cell that gives way is part of it.
+void StaticBody::begin_load_direction() const {
   const std::size_t n = model_.particles();
+  const Loads zero{PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)};
   LoadSum rates;
-  rates.loads = {PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)};
+  Loads with_factor = zero, constant = zero;
+  rates.loads = zero;
+  add_applied(1.0, with_factor);
+  add_applied(0.0, constant);
+  stiffness_.load_direction = on_unknowns(with_factor) - on_unknowns(constant);
+  if (relief_.size() > 0) stiffness_.load_direction += relief_;
+  if (has_free_cell()) look_at_mixing();
+  if (terms_.all().empty()) return;
   for (const RestTerm* t : terms_.all()) t->add_load_rates(rates);
   stiffness_.load_direction += on_unknowns(rates.loads);
   for (std::size_t c = 0; has_free_cell() && c < 6; ++c) {
@@ -112,54 +216,6 @@ void StaticBody::add_load_rates() const {
       stiffness_.load_direction[row] -=
           dot(rates.of_cell.row[a], cell_row_[c].row[a]) / unknowns_.cell_length();
   }
-}
-
-const StaticBody::Stiffness& StaticBody::stiffness_at_hand() const {
-  if (stiffness_.current) return stiffness_;
-  std::vector<Assembly::Pair> touching;
-  std::vector<Image> images;  // of their second particles
-  for_touching([&](ParticleId i, ParticleId j, const Image& n, double) {
-    touching.push_back({i, j});
-    images.push_back(n);
-  });
-  std::vector<Assembly::Pair> to_lay_out = touching;
-  for (std::size_t k = 0; has_free_cell() && k < touching.size(); ++k)
-    if (!images[k].is_itself())
-      for (const ParticleId p : {touching[k].first, touching[k].second})
-        to_lay_out.push_back({p, unknowns_.cell_node()});
-  Assembly& assembly = stiffness_.assembly;
-  const auto is_new = [&](const Assembly::Pair& p) { return !assembly.has(p.first, p.second); };
-  if (assembly.version() == 0 || std::any_of(to_lay_out.begin(), to_lay_out.end(), is_new))
-    lay_out(to_lay_out);
-
-  assembly.clear();
-  stiffness_.friction = 0.0;
-  if (flows()) stiffness_.full.clear();
-  const std::size_t n = model_.particles();
-  Loads with_factor{PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)}, constant = with_factor;
-  add_applied(1.0, with_factor);
-  add_applied(0.0, constant);
-  stiffness_.load_direction = on_unknowns(with_factor) - on_unknowns(constant);
-  if (relief_.size() > 0) stiffness_.load_direction += relief_;
-  if (has_free_cell()) look_at_mixing();
-  if (!terms_.all().empty()) add_load_rates();
-  for (const BondId k : state_.bonds.ids()) {
-    const Bond& b = state_.bonds[k];
-    if (b.broken) continue;
-    const PairTangent<9> t = b.law->tangent(b, bond_pose(b, state_), history_before(k));
-    add_pair(b.i, b.j, b.image_j, block_of(t, unknowns_.length()));
-    if (is_cracked(b)) stiffness_.friction = larger(stiffness_.friction, skew_of_friction(b, t));
-  }
-  for (std::size_t k = 0; k < touching.size(); ++k) {
-    const auto& [i, j] = touching[k];
-    add_pair(i, j, images[k], block_of(touch(model_, state_, i, j, images[k])));
-  }
-  if (has_free_cell()) add_own_of_cell();
-  for (const RestTerm* t : terms_.all()) t->add_stiffness(stiffness_);
-  add_arms();
-  add_followers();
-  stiffness_.current = true;
-  return stiffness_;
 }
 
 void StaticBody::for_image_blocks(

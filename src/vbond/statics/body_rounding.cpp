@@ -1,4 +1,4 @@
-// What is out of balance, against the forces in the body and against rounding.
+// What rounding leaves out of balance.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -7,35 +7,6 @@
 #include "vbond/statics/detail/body.hpp"
 
 namespace vbond {
-
-double StaticBody::residual() const {
-  const Loaded& l = loads_at_hand();
-  const double unbalanced = max_norm(l.unbalanced);
-  if (has_collapsed() || !std::isfinite(l.largest) || !std::isfinite(unbalanced))
-    return std::numeric_limits<double>::quiet_NaN();
-  return unbalanced == 0.0 ? 0.0 : unbalanced / l.largest;
-}
-
-double StaticBody::residual_beside(const DenseMatrix& columns) const {
-  const Vector& g = loads_at_hand().unbalanced;
-  const double beside = max_norm(g - columns * (columns.transpose() * g)), all = max_norm(g);
-  return all == 0.0 ? residual() : residual() * (beside / all);
-}
-
-double StaticBody::share_held(const Support& s) const {
-  constexpr double rounding = 1e3;
-  const Loaded& l = loads_at_hand();
-  double largest = 0.0;
-  for (const ParticleId p : s.particles)
-    for (int dof = 0; dof < 6; ++dof)
-      if (s.held[static_cast<std::size_t>(dof)]) {
-        const Movement load{l.loads.F[p], l.loads.M[p] / unknowns_.length()};
-        const HeldAxes* axes = s.axes ? &*s.axes : nullptr;
-        const Vec3d& axis = axis_of(axes, static_cast<std::size_t>(dof));
-        largest = larger(largest, std::abs(dot(dof < 3 ? load.shift : load.turn, axis)));
-      }
-  return largest <= rounding * rounding_of_force_ ? 0.0 : largest / l.largest;
-}
 
 double StaticBody::residual_of_rounding() const {
   const Loaded& l = loads_at_hand();
