@@ -142,19 +142,18 @@ run           ${{steps}}
 void print_left_out(const Case& c, const Model& model, const Stage& stage) {
   std::vector<std::string> left_out;
   const auto note = [&](bool has, const char* what) {
-    if (has) left_out.emplace_back(what);
+    if (has && std::find(left_out.begin(), left_out.end(), what) == left_out.end())
+      left_out.emplace_back(what);
   };
   note(particles_touch(model.contact), "contacts");
   note(!model.walls.empty(), "walls");
   note(!stage.supports.empty(), "supports");
   note(!stage.loads.empty(), "loads");
-  note(!stage.pressures.empty(), "pressures");
   note(norm2(stage.gravity) > 0.0, "gravity");
   note(stage.b_translation > 0.0 || stage.b_rotation > 0.0 || stage.local_damping > 0.0,
        "damping of particles");
-  note(stage.strain.has_value(), "imposed strain");
+  Terms::for_each([&]<class T>(T) { note(static_cast<const StagePart<T>&>(stage).any(), T::key); });
   note(!stage.bonding.empty(), "bonds made on approach");
-  note(!stage.heating.empty(), "temperatures");
   note(c.stages.size() > 1, "later stages");
   std::string list;
   for (const std::string& what : left_out) list += (list.empty() ? "" : ", ") + what;

@@ -55,6 +55,14 @@ TEST(StateTable, AStageClearsTheRecordsOfItsStopConditionsAndNothingElse) {
   EXPECT_TRUE(s == expected);
 }
 
+TEST(StateTable, AStageOfEitherKindClearsWhatBelongedToTheLast) {
+  State s = busy();
+  begin_anew(s, Anew::any_stage);
+  State expected = busy();
+  expected.pressed = {};
+  EXPECT_TRUE(s == expected);
+}
+
 TEST(StateTable, ABodyAtRestHasNoVelocitiesAndNoGripsOfMotion) {
   State s = busy();
   begin_anew(s, Anew::at_rest);

@@ -229,5 +229,21 @@ TEST(Quantities, EveryDataSetOfACheckpointHasItsUnitAndMeaning) {
     EXPECT_EQ(described.count(q.path), 1U) << q.path;
 }
 
+// Columns of a term are for the groups that the plan has under its name, in their order, and for no others.
+TEST(Quantities, OfATermAreThoseOfItsGroupsInThePlan) {
+  const GroupQuantity q =
+      term_quantity("springs", {{"energy", unit::energy, "stored"}, {"torn", unit::none, "broken"}}, nullptr);
+  OutputPlan plan;
+  plan.of_terms["others"] = {{"a", {}}};
+  EXPECT_TRUE(q.names(plan).empty());
+  plan.of_terms["springs"] = {{"a", {}}, {"b", {}}};
+  EXPECT_EQ(q.names(plan), (std::vector<std::string>{"a", "b"}));
+  HistoryValues values;
+  values.of_terms["springs"] = {{Cell(1.5), Cell(std::int64_t{2})}, {Cell(3.5), Cell(std::int64_t{4})}};
+  std::vector<Cell> cells{Cell(0.5)};
+  q.add(values, 1, cells);
+  EXPECT_EQ(cells, (std::vector<Cell>{Cell(0.5), Cell(3.5), Cell(std::int64_t{4})}));
+}
+
 }  // namespace
 }  // namespace vbond

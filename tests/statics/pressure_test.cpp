@@ -15,6 +15,7 @@
 #include "vbond/dynamics/simulation.hpp"
 #include "vbond/model/bond_sums.hpp"
 #include "vbond/statics/detail/body.hpp"
+#include "vbond/terms/pressure/detail/rest_pressure.hpp"
 #include "vbond/terms/pressure/pressed.hpp"
 
 namespace vbond::pressure_at_rest {
@@ -95,7 +96,7 @@ void tangent_is_the_derivative(Surface surface, PressureKind kind) {
     EXPECT_LE((body.load_direction() - d.load_direction).cwiseAbs().maxCoeff(), 1e-7);
     const bool has_energy = surface == Surface::closed || kind != PressureKind::follower;
     EXPECT_EQ(body.has_moment_part(), !has_energy);
-    EXPECT_EQ(body.terms().pressure.without_energy().has_value(), !has_energy);
+    EXPECT_EQ(body.terms().without_energy().has_value(), !has_energy);
   });
   EXPECT_LE(all["given up"], all.full ? all.cases / 6 : all.cases);
 }
@@ -227,12 +228,12 @@ TEST(PressureAtRest, HeldEdgesLeaveAnEnergy) {
   EXPECT_FALSE(held.has_moment_part());
   stage.supports[0].particles.pop_back();
   StaticBody free(s.model, stage, s.state, 1.0);
-  ASSERT_TRUE(free.terms().pressure.without_energy());
-  EXPECT_NE(free.terms().pressure.without_energy()->find("free edge at particle 3"), std::string::npos);
+  ASSERT_TRUE(free.terms().without_energy());
+  EXPECT_NE(free.terms().without_energy()->find("free edge at particle 3"), std::string::npos);
   const Vec3d along = s.state.r[ParticleId{2}] - s.state.r[ParticleId{0}];  // of the edge that it is on
   // K_33 = p/6 [sum of the opposite edges]x, and their sum is the way between its two neighbours
-  EXPECT_NEAR(free.terms().pressure.largest_skew(), 0.1 / 6.0 * (std::abs(along.x) + std::abs(along.y)),
-              1e-15);
+  EXPECT_NEAR(free.terms().of<RestPressure>().largest_skew(),
+              0.1 / 6.0 * (std::abs(along.x) + std::abs(along.y)), 1e-15);
 }
 
 // What a balance under followers is in statics it is in motion: the body stays. As followers_test.cpp.

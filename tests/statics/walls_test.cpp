@@ -14,6 +14,7 @@
 #include "vbond/physics/laws.hpp"
 #include "vbond/statics/detail/body.hpp"
 #include "vbond/statics/statics.hpp"
+#include "vbond/terms/walls/detail/rest_walls.hpp"
 
 namespace vbond::walls_test {
 namespace {
@@ -94,7 +95,7 @@ TEST_P(WallKinds, HaveTheGradientOfTheirEnergyAndItsDerivatives) {
     const Vector g = body.unbalanced();
     const DenseMatrix K = body.tangent();
     const Vector direction = body.load_direction();
-    const double energy = body.energies().contact, power = body.terms().walls.power()[0];
+    const double energy = body.energies().contact, power = body.terms().of<RestWalls>().power()[0];
     EXPECT_GT(energy, 1e-4) << kind.name;
     EXPECT_GT(norm(Vec3d{g[0], g[1], g[2]}), 0.01) << kind.name;
     const auto at = [&](int k, double x) {

@@ -142,6 +142,12 @@ void describe_modes(Table& t, StageSpec& s) {
         "of these frames, as the largest movement of a particle; 0: a tenth of the body");
 }
 
+bool any_term_grows(const StageSpec& s) {
+  bool any = false;
+  Terms::for_each([&]<class T>(T) { any |= static_cast<const SpecPart<T>&>(s).grows(); });
+  return any;
+}
+
 /// Without a proportional part the load factor would change nothing.
 void check_proportional(Table& t, const StageSpec& s) {
   const auto grows = [](const LoadSpec& l) {
@@ -150,10 +156,7 @@ void check_proportional(Table& t, const StageSpec& s) {
   const auto moves = [](const SupportSpec& p) { return any(p.displacement) || any(p.rotation); };
   const bool proportional =
       (any(s.gravity) && !s.constant_gravity) || std::any_of(s.loads.begin(), s.loads.end(), grows) ||
-      std::any_of(s.supports.begin(), s.supports.end(), moves) || !s.walls.empty() || s.cell.has_value() ||
-      std::any_of(s.temperatures.begin(), s.temperatures.end(),
-                  [](const TemperatureSpec& heat) { return heat.change != 0.0; }) ||
-      std::any_of(s.pressures.begin(), s.pressures.end(), [](const PressureSpec& p) { return !p.constant; });
+      std::any_of(s.supports.begin(), s.supports.end(), moves) || s.cell.has_value() || any_term_grows(s);
   t.check(proportional,
           {"kind", "loads", "supports", "gravity", "constant_gravity", "temperatures", "pressures"},
           "nothing grows with the load factor: no load, pressure or gravity that is not constant, no support "

@@ -57,7 +57,7 @@ struct BodyInMotion {
 };
 
 /// Something that acts on a body in motion besides bonds, contacts, supports and loads: walls, temperatures,
-/// an imposed strain. A step calls what is there, in the order of terms/motion_terms.hpp, and each function
+/// an imposed strain. A step calls what is there, in the order of terms/terms.hpp, and each function
 /// in the order below. Those that stay as they are do nothing.
 class MotionTerm {
  public:
@@ -67,6 +67,9 @@ class MotionTerm {
   /// Whether particles touch it: then all of them move before any of its loads are added, it takes energy
   /// out, and states keep the loads, which do not follow from places alone.
   virtual bool touches() const { return false; }
+  /// Whether it adds loads, of which a particle's need to know its own place and motion alone where particles
+  /// do not touch it.
+  virtual bool adds_loads() const { return touches(); }
 
   // ---- between steps ----
   /// Takes over what a state says of it, and gives it back.
@@ -82,8 +85,8 @@ class MotionTerm {
   /// Only of those that particles touch: all particles are where they come to, and none has gone farther than
   /// this since the last call.  [length]
   virtual void particles_moved(double /*dt*/, double /*way*/) {}
-  /// Only of those that particles touch: adds its loads to the rows of a block, from places and the motion of
-  /// the half step before.
+  /// Only of those that do: adds its loads to the rows of a block, from places and the motion of the half
+  /// step before.
   virtual void add_loads(const Block&, double /*dt*/) {}
   /// All loads are complete, and particles have their velocities.
   virtual void end_step(double /*dt*/) {}

@@ -242,8 +242,8 @@ void Simulation::complete_loads(const Block& b, Instant at, StepTimes::Lap& lap)
     capsules_.add_loads({b.rows.first, std::min(b.rows.last, bodies_.order.own)}, bodies_.load.data());
     lap.add_to(times_.contacts);
   }
-  if (terms_.any_touching()) {
-    for (MotionTerm* t : terms_.touching()) t->add_loads(b, at == Instant::end ? stage_.dt : 0.0);
+  if (!terms_.loading().empty()) {
+    for (MotionTerm* t : terms_.loading()) t->add_loads(b, at == Instant::end ? stage_.dt : 0.0);
     lap.add_to(times_.contacts);
   }
   applied_.add(b, at);

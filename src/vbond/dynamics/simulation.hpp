@@ -37,6 +37,7 @@
 #include "vbond/model/stage.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/terms/motion_terms.hpp"
+#include "vbond/terms/walls/motion_walls.hpp"
 
 namespace vbond {
 
@@ -113,7 +114,7 @@ class Simulation final : public BodyView, private MotionHost {
   // ---- what may be wrong with it ----
   /// What is deep in one another, or too fast for contacts to keep it apart; observers look at every step
   /// after which particles or capsules are.
-  Deep deep() const { return {encounters_, capsules_, terms_.walls}; }
+  Deep deep() const { return {encounters_, capsules_, terms_.of<MotionWalls>()}; }
   /// The particle that turns by more than longest_turn in a step, and farthest of all whose bonds or unequal
   /// moments of inertia feel it (model/turn_bound.hpp). Looks at all of them, so not for every step.
   std::optional<FastTurn> fastest_turn() const;
@@ -145,7 +146,7 @@ class Simulation final : public BodyView, private MotionHost {
   double balance_error() const override;
   Reaction reaction(const std::vector<ParticleId>& particles) const override;
   double mean_axial_force(const std::vector<ParticleId>& particles) const override;
-  const std::vector<WallState>& walls() const override { return terms_.walls.states(); }
+  const std::vector<WallState>& walls() const override { return terms_.of<MotionWalls>().states(); }
   std::vector<GripView> grips() const override;
 
  private:

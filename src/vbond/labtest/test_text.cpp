@@ -1,6 +1,7 @@
 #include "vbond/labtest/test_text.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <utility>
@@ -185,9 +186,9 @@ std::string TestText::text(const MadeTest& test, const std::vector<std::string>&
 }
 
 std::optional<std::string> left_out(const Case& c) {
-  std::string names;
+  std::vector<std::string> names;
   const auto add = [&names](bool there, const char* name) {
-    if (there) names += (names.empty() ? "" : ", ") + std::string(name);
+    if (there && std::find(names.begin(), names.end(), name) == names.end()) names.emplace_back(name);
   };
   const auto any = [&c](const auto& has) { return std::any_of(c.stages.begin(), c.stages.end(), has); };
   add(!c.walls.empty(), "walls");
@@ -195,10 +196,9 @@ std::optional<std::string> left_out(const Case& c) {
   add(any([](const StageSpec& s) { return norm2(s.gravity) > 0.0; }), "gravity");
   add(any([](const StageSpec& s) { return !s.supports.empty(); }), "supports");
   add(any([](const StageSpec& s) { return !s.loads.empty(); }), "loads");
-  add(any([](const StageSpec& s) { return !s.pressures.empty(); }), "pressures");
-  add(any([](const StageSpec& s) { return !s.temperatures.empty(); }), "temperatures");
+  Terms::for_each([&]<class T>(T) { add(any([](const SpecPart<T>& s) { return s.any(); }), T::key); });
   if (names.empty()) return std::nullopt;
-  return "of the case are left out: " + names + "; the test has stages of its own";
+  return fmt::format("of the case are left out: {}; the test has stages of its own", fmt::join(names, ", "));
 }
 
 std::string case_text(const Case& c, const MadeTest& test, const std::string& title,

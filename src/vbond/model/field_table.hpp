@@ -26,8 +26,9 @@ enum class Known : std::uint8_t {
 /// When a field is again as in a new body.
 enum class Anew : std::uint8_t {
   never,
-  stage,    ///< as a stage of dynamics begins
-  at_rest,  ///< as a stage begins in which the body is at rest
+  stage,      ///< as a stage of dynamics begins
+  at_rest,    ///< as a stage begins in which the body is at rest
+  any_stage,  ///< as a stage of either kind begins
 };
 
 /// Whether files always have a field.

@@ -14,7 +14,7 @@
 #include "vbond/model/model.hpp"
 #include "vbond/model/source.hpp"
 #include "vbond/model/time_function.hpp"
-#include "vbond/terms/stage_terms.hpp"
+#include "vbond/terms/terms.hpp"
 
 namespace vbond {
 

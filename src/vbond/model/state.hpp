@@ -13,7 +13,7 @@
 #include "vbond/model/loads.hpp"
 #include "vbond/model/losses.hpp"
 #include "vbond/model/model.hpp"
-#include "vbond/terms/pressure/pressure.hpp"
+#include "vbond/terms/terms.hpp"
 
 namespace vbond {
 
@@ -98,7 +98,8 @@ struct WarmBond {
 };
 
 /// Everything that changes, and exactly what a checkpoint holds: state_table.hpp declares each of its fields.
-struct State {
+/// Those of the terms are declared in their folders.
+struct State : Terms::OfState {
   Clock clock;
   PerParticle<Vec3d> r;      ///< positions of the centres  [length]
   PerParticle<Vec3d> v;      ///< velocities  [length/time]
@@ -118,9 +119,6 @@ struct State {
   Loads loads;
   std::vector<PairMemory> contact_history;  ///< of touching pairs that remember something, in order of (i, j)
   std::vector<FibreMemory> fibre_history;   ///< of the contacts of capsules, in order of their places
-  std::vector<WallState> walls;             ///< of each wall; empty: as at the start, at rest
-  std::vector<WallMemory> wall_history;     ///< of touches that remember something, in order of (p, wall)
-  std::vector<PressedFacet> pressed;        ///< of the stage under way, pressure by pressure
   CellEdges cell;                           ///< its edges, and how they change; empty: nothing is periodic
   std::vector<GripState> grips;             ///< of the stage under way, in the order of its supports
   std::vector<GrippedPose> gripped;         ///< their particles, grip by grip

@@ -15,13 +15,16 @@ void clear(Value& value, Filed filed) {
 }  // namespace
 
 void begin_anew(State& state, Anew when) {
+  const auto is_due = [when](Anew anew) {
+    return anew == when || (anew == Anew::any_stage && when == Anew::stage);
+  };
   for_each_table(state_table, [&]<class Table>(const Table& table) {
     auto& of = table.in(state);
     if constexpr (is_row_table<Table>) {
-      if (table.traits.anew == when) of = {};
+      if (is_due(table.traits.anew)) of = {};
     } else {
       for_each_field(table, [&](const auto& f) {
-        if (f.traits.anew == when) clear(of.*f.value, f.traits.filed);
+        if (is_due(f.traits.anew)) clear(of.*f.value, f.traits.filed);
       });
     }
   });

@@ -8,13 +8,15 @@
 #include "vbond/model/field_table.hpp"
 #include "vbond/model/state.hpp"
 
-/// State, declared once. A new field is a member of State and an entry here; without the entry nothing
-/// compiles. What follows from it: data sets of checkpoints with their attributes and the table of
-/// docs/output.md (observe/), sizes and numbers that are checked (mistakes_in), memory estimates, what parts
-/// of a body tell each other (dynamics/gather.hpp), what is cleared when, the arrays of Python.
+/// State, declared once. A new field is a member of State and an entry here, or both in the folder of a term
+/// (terms/NAME/term_NAME.hpp); without the entry nothing compiles. What follows from it: data sets of
+/// checkpoints with their attributes and the table of docs/output.md (observe/), sizes and numbers that are
+/// checked (mistakes_in), memory estimates, what parts of a body tell each other (dynamics/gather.hpp), what
+/// is cleared when, the arrays of Python.
 namespace vbond {
 
-inline constexpr auto state_table = std::tuple{
+/// Those of the terms have a place of their own among the others, so that files stay as they are.
+inline constexpr auto tables_before_terms = std::tuple{
     fields_of("/clock/", &State::clock,
               field("step", &Clock::step, unit::none, "steps since the start of the run"),
               field("stage_step", &Clock::stage_step, unit::none, "steps since the start of this stage"),
@@ -170,42 +172,9 @@ inline constexpr auto state_table = std::tuple{
               {.filed = Filed::where_any}),
         field("image_b_j", &FibreMemory::image_b_j, unit::none, "which image of b_j",
               {.filed = Filed::where_any})),
-    rows_of(
-        "/walls/", &State::walls, {.filed = Filed::where_any},
-        field("displacement", &WallState::displacement, unit::length,
-              "of the walls' centres since the start; only where there are walls"),
-        field("q", &WallState::q, unit::none, "orientations of walls, quaternions w, x, y, z"),
-        field("velocity", &WallState::velocity, unit::velocity, "of the walls' centres, half a step ago"),
-        field("angular_velocity", &WallState::angular_velocity, unit::angular_velocity,
-              "of walls, half a step ago"),
-        field("force", &WallState::force, unit::force, "of particles on walls"),
-        field("moment", &WallState::moment, unit::moment, "of particles on walls, about the walls' centres"),
-        field("servo", &WallState::servo, unit::velocity,
-              "speed of walls along the direction of their servo"),
-        field("work", &WallState::work, unit::energy, "that walls have done on particles"),
-        field("off", &WallState::off, unit::none,
-              "1 for walls that the stage takes away; only where there are such",
-              {.filed = Filed::where_any})),
-    rows_of(
-        "/wall_touches/", &State::wall_history, {.known = Known::listed, .filed = Filed::where_any},
-        field("particle", &WallMemory::p, unit::none, "particles that touch walls; only if there are any"),
-        field("wall", &WallMemory::wall, unit::none, "number of the wall that each touches"),
-        field("normal", &WallMemory::normal, unit::none, "unit vectors from the wall to the particle"),
-        field("history", &WallMemory::history, unit::none,
-              "what is remembered of the touch, as /contacts/history")),
-    rows_of(
-        "/pressed/", &State::pressed, {.anew = Anew::stage, .filed = Filed::where_any},
-        field("pressure", &PressedFacet::pressure, unit::none,
-              "of facets that are pressed on the number of their pressure in the stage, from 0; only in a "
-              "stage that has some"),
-        field("i", &PressedFacet::i, unit::none, "their first particles"),
-        field("j", &PressedFacet::j, unit::none, "their second particles"),
-        field("k", &PressedFacet::k, unit::none, "their third particles; of strips the first again"),
-        field("area", &PressedFacet::area, unit::area, "vectors of their areas as the stage began"),
-        field("towards", &PressedFacet::towards, unit::area,
-              "the parts of the areas of their particles that faced the centre as the stage began; only of "
-              "central pressures",
-              {.filed = Filed::where_any})),
+};
+
+inline constexpr auto tables_after_terms = std::tuple{
     rows_of(
         "/grips/", &State::grips, {.anew = Anew::at_rest, .filed = Filed::where_any},
         field("pivot", &GripState::pivot, unit::length,
@@ -279,23 +248,39 @@ inline constexpr auto state_table = std::tuple{
                                        "bonds that have broken in this stage", {.anew = Anew::stage})),
 };
 
-/// Whether each of these tables names all members of its struct.
-template <class... Tables>
-constexpr bool are_whole(const std::tuple<Tables...>& tables) {
-  std::size_t of_state = 0;
+template <class... T>
+constexpr auto tables_of(TermList<T...>) {
+  return std::tuple_cat(T::state_tables...);
+}
+
+/// Whether these tables name all members of Whole, and of each of their structs.
+template <class Whole, class... Tables>
+constexpr bool are_whole(const std::tuple<Tables...>& tables, std::size_t bases = 0) {
+  std::size_t of_whole = bases;
   bool whole = true;
   for_each_table(tables, [&]<class Table>(const Table& table) {
     std::size_t fields = 0;
     for_each_field(table, [&](const auto&) { ++fields; });
     using Of = typename Table::Of;
-    if constexpr (std::is_same_v<Of, State>)
-      of_state += fields;
+    if constexpr (std::is_same_v<Of, Whole>)
+      of_whole += fields;
     else
-      ++of_state, whole &= !std::is_aggregate_v<Of> || fields == member_count<Of>();
+      ++of_whole, whole &= !std::is_aggregate_v<Of> || fields == member_count<Of>();
   });
-  return whole && of_state == member_count<State>();
+  return whole && of_whole == member_count<Whole>();
 }
-static_assert(are_whole(state_table), "a member of State or of its structs is missing in state_table");
+template <class... T>
+constexpr bool are_whole(TermList<T...>) {
+  return (are_whole<StatePart<T>>(T::state_tables) && ...);
+}
+
+inline constexpr auto state_table =
+    std::tuple_cat(tables_before_terms, tables_of(Terms{}), tables_after_terms);
+
+static_assert(are_whole<State>(std::tuple_cat(tables_before_terms, tables_after_terms),
+                               1) &&  // what it has of the terms
+                  are_whole(Terms{}),
+              "a member of State or of its structs is missing in state_table");
 
 /// What State holds of each particle of any body.  [bytes]
 inline constexpr std::size_t state_bytes_per_particle = [] {

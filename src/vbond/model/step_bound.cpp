@@ -9,8 +9,7 @@
 #include "vbond/model/make_bond.hpp"
 #include "vbond/model/passage.hpp"
 #include "vbond/physics/bond_step.hpp"
-#include "vbond/terms/heat/heat.hpp"
-#include "vbond/terms/pressure/pressed.hpp"
+#include "vbond/terms/terms.hpp"
 
 namespace vbond {
 namespace {
@@ -180,28 +179,25 @@ StepBound step_bound(const Model& model, const State& state, const std::vector<B
   return {critical_step(largest.lambda), largest.bond, largest.source};
 }
 
-/// Where temperatures change lengths: the smaller bound of the shortest bonds and of the longest.
 StepBound step_bound(const Model& model, const State& state, const Stage& stage, Spins spins) {
   StepBound bound = step_bound(model, state, stage.bonding, stage.walls);
-  if (!stage.heating.empty() && !state.warm_bonds.empty()) {
-    const std::vector<GrowthRange> growth = growth_in(state, stage);
-    for (const auto end : {&GrowthRange::least, &GrowthRange::largest}) {
-      State grown = state;
-      for (std::size_t k = 0; k < growth.size(); ++k) {
-        const WarmBond& w = state.warm_bonds[k];
-        if (!state.bonds[w.bond].broken) grown.bonds[w.bond] = with_growth(state, w, growth[k].*end);
-      }
-      StepBound then = step_bound(model, grown, stage.bonding, stage.walls);
-      if (then.dt < bound.dt) bound = std::move(then);
-    }
-  }
-  const double pressed = lambda_of_pressures(stage.pressures, model.mass, state.r, stage.stops.duration);
-  if (pressed > 0.0 && std::isfinite(bound.dt)) {
-    const double without = std::exchange(bound.dt, critical_step(sq(2.0 / bound.dt) + pressed));
+  const auto take_up = [&](const State& extreme) {
+    StepBound then = step_bound(model, extreme, stage.bonding, stage.walls);
+    if (then.dt < bound.dt) bound = std::move(then);
+  };
+  Terms::for_each([&]<class T>(T) { T::for_extremes(state, stage, take_up); });
+  return within_turns(with_terms(std::move(bound), model, state, stage), model, state, stage, spins);
+}
+
+StepBound with_terms(StepBound bound, const Model& model, const State& state, const Stage& stage) {
+  Terms::for_each([&]<class T>(T) {
+    const AddedFrequency added = T::added_frequency(model, state, stage, bound.dt);
+    if (!(added.lambda > 0.0)) return;
+    const double without = std::exchange(bound.dt, critical_step(sq(2.0 / bound.dt) + added.lambda));
     constexpr double shorter = 0.99;  // by less it is not worth a word
-    if (bound.dt < shorter * without) bound.source += ", and pressure";
-  }
-  return within_turns(std::move(bound), model, state, stage, spins);
+    if (bound.dt < shorter * without) bound.source += std::string(", and ") + added.of;
+  });
+  return bound;
 }
 
 StepBound within_turns(StepBound bound, const Model& model, const State& state, const Stage& stage,

@@ -28,9 +28,12 @@ struct StepBound {
 /// bonds, and a bond as long as the rule's distance between the lightest of them is included.
 StepBound step_bound(const Model& model, const State& state, const std::vector<BondingRule>& rules = {},
                      const std::vector<WallDrive>& drives = {}, double contacts_to_come = 1.0);
-/// With the bonding rules, walls and temperatures of a stage, and no more than turns may take (within_turns).
+/// With the bonding rules and terms of a stage, and no more than turns may take (within_turns).
 StepBound step_bound(const Model& model, const State& state, const Stage& stage,
                      Spins spins = Spins::counted);
+
+/// The bound, shorter by what the terms of the stage add: a bound of the same kind, of an exact step as well.
+StepBound with_terms(StepBound bound, const Model& model, const State& state, const Stage& stage);
 
 /// The bound, or the step in which what turns fastest in the stage turns by longest_turn if that is shorter.
 StepBound within_turns(StepBound bound, const Model& model, const State& state, const Stage& stage,

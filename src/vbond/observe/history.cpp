@@ -56,9 +56,8 @@ void add_stresses(const OutputPlan& plan, const Model& model, const BodyPart& bo
                                           [&model](ParticleId p) { return comes_in(model, p); });
     SymmetricParts strain;  // of particles that come in there is none: they had no places at the start
     strain.fill(std::numeric_limits<double>::quiet_NaN());
-    to.strains.push_back(some_come_in
-                             ? strain
-                             : symmetric_part(mean_strain(model, body, those_there(g.group, body.state))));
+    to.strains.push_back(
+        some_come_in ? strain : symmetric_part(mean_strain(model, body, those_there(g.group, body.state))));
   }
 }
 
@@ -74,6 +73,13 @@ void add_means(const OutputPlan& plan, const BodyView& body, HistoryValues& to) 
   if (body.balance() == nullptr)
     for (const Group& g : plan.velocities) to.velocities.push_back(mean_velocity(g, part));
   if (!plan.stresses.empty()) add_stresses(plan, model, part, to);
+}
+
+/// What terms say of the groups of the plan.
+void add_terms(const OutputPlan& plan, const BodyView& body, HistoryValues& to) {
+  for (const GroupQuantity& q : group_quantities())
+    if (const auto groups = plan.of_terms.find(q.name); q.look != nullptr && groups != plan.of_terms.end())
+      for (const Group& g : groups->second) q.look(body, g, to.of_terms[q.name].emplace_back());
 }
 
 /// The columns of a group or a wall.
@@ -197,10 +203,12 @@ HistoryValues history_values(const OutputPlan& plan, const BodyView& body) {
       .strains = {},
       .walls = body.walls(),
       .cell = {},
-      .grips = plan.grips.empty() ? std::vector<std::optional<GripView>>{} : grips_of(plan, body.grips())};
+      .grips = plan.grips.empty() ? std::vector<std::optional<GripView>>{} : grips_of(plan, body.grips()),
+      .of_terms = {}};
   for (const Group& g : plan.reactions) values.reactions.push_back(body.reaction(g.particles));
   for (const Group& g : plan.axial_force) values.axial_force.push_back(body.mean_axial_force(g.particles));
   add_means(plan, body, values);
+  add_terms(plan, body, values);
   return values;
 }
 

@@ -1,7 +1,10 @@
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
 
 #include "vbond/observe/quantities.hpp"
+#include "vbond/terms/terms.hpp"
 
 namespace vbond {
 namespace {
@@ -165,8 +168,8 @@ std::vector<std::string> names_of(const OutputPlan& plan) {
   return names;
 }
 
-const std::vector<GroupQuantity>& of_groups() {
-  static const std::vector<GroupQuantity> all{
+std::vector<GroupQuantity> before_terms() {
+  return {
       {"reaction",
        "GROUP",
        {{"fx", unit::force, "force and moment (about the origin) that supports exert on the group"},
@@ -195,24 +198,11 @@ const std::vector<GroupQuantity>& of_groups() {
         {"z", unit::length}},
        names_of<&OutputPlan::displacements>,
        [](const Values& v, std::size_t k, std::vector<Cell>& to) { add3(v.displacements[k], to); }},
-      {"wall",
-       "WALL",
-       {{"Fx", unit::force, "force of particles on the wall"},
-        {"Fy", unit::force},
-        {"Fz", unit::force},
-        {"Mx", unit::moment, "moment of particles on the wall, about its centre (`moments_about`)"},
-        {"My", unit::moment},
-        {"Mz", unit::moment},
-        {"x", unit::length, "displacement of its centre since the start"},
-        {"y", unit::length},
-        {"z", unit::length},
-        {"work", unit::energy, "work that the wall has done on particles so far, a part of work_supports"}},
-       [](const OutputPlan& plan) { return plan.walls; },
-       [](const Values& v, std::size_t k, std::vector<Cell>& to) {
-         if (k >= v.walls.size()) return to.resize(to.size() + 10);
-         const WallState& w = v.walls[k];
-         add3(w.force, to), add3(w.moment, to), add3(w.displacement, to), to.emplace_back(w.work);
-       }},
+  };
+}
+
+std::vector<GroupQuantity> behind_terms() {
+  return {
       {"grip",
        "GROUP",
        {{"Fx", unit::force, "force that a rigid support exerts on its group, inertia left out"},
@@ -287,6 +277,16 @@ const std::vector<GroupQuantity>& of_groups() {
          add3(v.velocities[k], to);
        }},
   };
+}
+
+/// Columns of terms stand among the others, where those of walls have always been.
+const std::vector<GroupQuantity>& of_groups() {
+  static const std::vector<GroupQuantity> all = [] {
+    std::vector<GroupQuantity> q = before_terms();
+    Terms::for_each([&]<class T>(T) { T::add_columns(q); });
+    for (GroupQuantity& next : behind_terms()) q.push_back(std::move(next));
+    return q;
+  }();
   return all;
 }
 
@@ -337,6 +337,22 @@ std::span<const HistoryQuantity> history_quantities() {
 
 std::span<const GroupQuantity> group_quantities() {
   return of_groups();
+}
+
+GroupQuantity term_quantity(const char* name, std::vector<GroupQuantity::Component> components,
+                            void (*look)(const BodyView&, const Group&, std::vector<Cell>& to)) {
+  const std::string key = name;
+  const auto names = [key](const OutputPlan& plan) {
+    std::vector<std::string> of;
+    if (const auto groups = plan.of_terms.find(key); groups != plan.of_terms.end())
+      for (const Group& g : groups->second) of.push_back(g.name);
+    return of;
+  };
+  const auto add = [key](const Values& v, std::size_t k, std::vector<Cell>& to) {
+    const std::vector<Cell>& cells = v.of_terms.at(key)[k];
+    to.insert(to.end(), cells.begin(), cells.end());
+  };
+  return {name, "GROUP", std::move(components), names, add, look};
 }
 
 std::optional<ColumnFacts> facts_of_column(std::string_view name) {

@@ -1,12 +1,15 @@
 #pragma once
 #include <cstdint>
+#include <map>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "vbond/model/body_view.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/model/stress.hpp"
 #include "vbond/observe/bond_look.hpp"
+#include "vbond/observe/csv.hpp"
 #include "vbond/observe/fragments.hpp"
 #include "vbond/observe/plan.hpp"
 
@@ -48,6 +51,8 @@ struct HistoryValues {
   std::vector<WallState> walls;                  ///< one per OutputPlan::walls; empty: not known
   std::optional<CellValues> cell;                ///< of periodic bodies
   std::vector<std::optional<GripView>> grips;    ///< one per OutputPlan::grips; nothing: not in this stage
+  /// Of each quantity of OutputPlan::of_terms the cells of its groups.
+  std::map<std::string, std::vector<std::vector<Cell>>> of_terms;
 };
 
 /// The values of a body as it stands, by sums over what each process has: nobody asks for the whole state.

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,6 +37,8 @@ struct OutputPlan {
   std::vector<StressedGroup> stresses;     ///< mean stress and strain, in history.csv
   std::vector<std::string> walls;          ///< names of those of the model, in history.csv and in frames
   std::vector<std::string> grips;          ///< groups that some stage moves as rigid bodies, in history.csv
+  /// Of terms, by their keys: groups with columns in history.csv.
+  std::map<std::string, std::vector<Group>> of_terms;
   /// Between frames of dynamics  [time], > 0, infinite if there is none; absent: no frames at all.
   std::optional<double> frames_every;
   FrameFormat frame_format;                ///< of those frames, and of those of modes

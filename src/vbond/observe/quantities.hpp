@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -69,11 +70,16 @@ struct GroupQuantity {
   const char* of;  ///< GROUP or WALL: what the names are of, for the tables of docs/output.md
   std::vector<Component> components;
   /// Of these groups or walls.
-  std::vector<std::string> (*names)(const OutputPlan&);
+  std::function<std::vector<std::string>(const OutputPlan&)> names;
   /// Adds the values of the components for the k-th of them.
-  void (*add)(const HistoryValues&, std::size_t k, std::vector<Cell>& to);
+  std::function<void(const HistoryValues&, std::size_t k, std::vector<Cell>& to)> add;
+  /// Of a term_quantity(): adds those of a group, which HistoryValues::of_terms takes up.
+  void (*look)(const BodyView&, const Group&, std::vector<Cell>& to) = nullptr;
 };
 std::span<const GroupQuantity> group_quantities();
+/// Columns that a term has for the groups of OutputPlan::of_terms with this name, which is that of its keys.
+GroupQuantity term_quantity(const char* name, std::vector<GroupQuantity::Component> components,
+                            void (*look)(const BodyView&, const Group&, std::vector<Cell>& to));
 
 /// A column of history.csv as others show it. Nothing if no quantity has a column of this name.
 std::optional<ColumnFacts> facts_of_column(std::string_view name);

@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
+#include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "vbond/model/rules.hpp"
 #include "vbond/setup/build.hpp"
+#include "vbond/terms/terms.hpp"
 
 namespace vbond {
 namespace {
@@ -23,6 +27,19 @@ std::vector<StressedGroup> stressed_groups(const Case& c, const Model& model) {
   for (const StressSpec& s : c.output.stresses)
     groups.push_back({resolve_groups({s.group}, model).front(), resolve_volume(s, model)});
   return groups;
+}
+
+/// Groups that stages give to terms with columns of their own, each once.
+std::map<std::string, std::vector<Group>> groups_of_terms(const Case& c, const Model& model) {
+  std::map<std::string, std::vector<Group>> all;
+  Terms::for_each([&]<class T>(T) {
+    std::set<std::string> known;
+    for (const StageSpec& stage : c.stages)
+      for (const std::string& name : T::groups_in_history(stage))
+        if (const Group* g = model.find_group(name); g != nullptr && known.insert(name).second)
+          all[T::key].push_back(*g);
+  });
+  return all;
 }
 
 /// What may dissipate energy in this case.
@@ -86,6 +103,7 @@ OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem:
     for (const SupportSpec& s : stage.supports)
       if (s.rigid && std::find(plan.grips.begin(), plan.grips.end(), s.group.value) == plan.grips.end())
         plan.grips.push_back(s.group.value);
+  plan.of_terms = groups_of_terms(c, model);
   if (o.frames)
     plan.frames_every = o.frames->every ? output_time(*o.frames->every, model, "output.frames.every", c)
                                         : std::numeric_limits<double>::infinity();

@@ -1,10 +1,9 @@
-#include <cmath>
+#include <optional>
 #include <utility>
 
-#include "vbond/physics/bond_step.hpp"
+#include "vbond/model/step_bound.hpp"
 #include "vbond/run/static_solver.hpp"
 #include "vbond/statics/blas_kernel.hpp"
-#include "vbond/terms/pressure/pressed.hpp"
 
 namespace vbond {
 
@@ -38,12 +37,11 @@ std::string better_kernel_of_blas() {
   return better_blas_kernel();
 }
 
-/// What pressure adds is a bound, as of the automatic step: its stiffness changes with its factor.
+/// What terms add is a bound, as of the automatic step: their stiffness may change with a factor.
 ExactCriticalStep exact_step() {
   return [](const Model& model, const State& state, const Stage& stage) {
     const double exact = exact_critical_step(model, state, stage.supports);
-    const double pressed = lambda_of_pressures(stage.pressures, model.mass, state.r, stage.stops.duration);
-    return pressed > 0.0 && std::isfinite(exact) ? critical_step(sq(2.0 / exact) + pressed) : exact;
+    return with_terms({exact, std::nullopt, ""}, model, state, stage).dt;
   };
 }
 

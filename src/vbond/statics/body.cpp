@@ -11,6 +11,7 @@
 #include "vbond/model/energies.hpp"
 #include "vbond/model/state_table.hpp"
 #include "vbond/statics/detail/pulse.hpp"
+#include "vbond/terms/heat/detail/rest_heat.hpp"
 
 namespace vbond {
 namespace {
@@ -123,7 +124,7 @@ void StaticBody::placed() {
   if (!flows()) return;
   at_accepted_ = state_.r == accepted_at_.r && state_.q == accepted_at_.q &&
                  state_.cell == accepted_at_.cell &&
-                 (!terms_.heat.changes_bonds() || load_factor_ == accepted_at_.load_factor);
+                 (!terms_.of<RestHeat>().changes_bonds() || load_factor_ == accepted_at_.load_factor);
   flow();
 }
 

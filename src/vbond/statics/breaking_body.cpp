@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "vbond/statics/detail/rigid.hpp"
+#include "vbond/terms/walls/detail/rest_walls.hpp"
 
 namespace vbond {
 namespace {
@@ -58,7 +59,7 @@ double BreakingBody::reaction(const Support& s) const {
 
 double BreakingBody::reaction(const WallDrive& d) const {
   const double along = norm(d.velocity);
-  return body_->terms().walls.power()[static_cast<Eigen::Index>(d.index)] /
+  return body_->terms().of<RestWalls>().power()[static_cast<Eigen::Index>(d.index)] /
          (along > 0.0 ? along : norm(d.angular_velocity));
 }
 
@@ -184,7 +185,8 @@ bool BreakingBody::settle() {
 }
 
 void BreakingBody::add_work_of_walls(const Vector& work) {
-  if (body_->terms().walls.moves()) body_->terms().walls.add_work(work.tail(work.size() - 1));
+  if (body_->terms().of<RestWalls>().moves())
+    body_->terms().of<RestWalls>().add_work(work.tail(work.size() - 1));
 }
 
 Support& BreakingBody::free_grip_of(ParticleId first) {
@@ -195,7 +197,7 @@ Support& BreakingBody::free_grip_of(ParticleId first) {
 std::optional<std::string> BreakingBody::hold_free_parts() {
   constexpr double nothing = 1e-9;  // of the loads that drive a part: rounding
   const RigidMotions free =
-      free_rigid_motions(model_, body_->state(), body_->unknowns(), body_->terms().walls.holds(false));
+      free_rigid_motions(model_, body_->state(), body_->unknowns(), body_->terms().holds(false));
   if (free.names.empty()) return std::nullopt;
   bool is_pressed = false;
   for (const double factor : {0.0, stage_->fracture.end}) {

@@ -11,6 +11,7 @@
 #include "vbond/statics/detail/kinds.hpp"
 #include "vbond/statics/detail/saddle.hpp"
 #include "vbond/statics/detail/work.hpp"
+#include "vbond/terms/walls/detail/rest_walls.hpp"
 
 namespace vbond {
 namespace {
@@ -68,7 +69,7 @@ class LoadSteps {
       stability_.unstable.reset();
     }
     report_point(body_, PointKind::regular, stability_.unstable, hooks_, result_);
-    if (body_.terms().walls.moves() || body_.flows()) before_ = stand_of(body_);
+    if (body_.terms().of<RestWalls>().moves() || body_.flows()) before_ = stand_of(body_);
   }
 
   /// Along the tangent, at most by step_ of the load factor and not past the next of the load factors that
@@ -251,18 +252,18 @@ class LoadSteps {
     tell_of_moments();
     report_point(body_, body_.load_factor() < 1.0 ? PointKind::regular : PointKind::end, stability_.unstable,
                  hooks_, result_);
-    if (body_.flows() && !body_.terms().walls.moves()) before_ = stand_of(body_);
+    if (body_.flows() && !body_.terms().of<RestWalls>().moves()) before_ = stand_of(body_);
     step_ = std::min(longest_, 2.0 * step_);
   }
 
   /// What walls have done since the last balance.
   void add_work_of_walls() {
-    if (!body_.terms().walls.moves()) return;
+    if (!body_.terms().of<RestWalls>().moves()) return;
     Stand now = stand_of(body_);
     largest_energy_ = std::max({largest_energy_, std::abs(before_.stored), std::abs(now.stored)});
     const Vector work = work_.between(before_, now, largest_energy_);
     factored_here_ = false;
-    body_.terms().walls.add_work(work.tail(now.power_of_walls.size()));
+    body_.terms().of<RestWalls>().add_work(work.tail(now.power_of_walls.size()));
     before_ = std::move(now);
   }
 
@@ -280,9 +281,9 @@ class LoadSteps {
         fmt::format("load factor {:.6g}: the determinant of the tangent is negative: the balance is "
                     "unstable, and is kept: {} no potential that would show a way down from it",
                     body_.load_factor(),
-                    body_.friction_part() > 0.0               ? "friction of cracked bonds has"
-                    : body_.terms().pressure.without_energy() ? "pressure at a free edge has"
-                                                              : "moments of fixed direction have"));
+                    body_.friction_part() > 0.0      ? "friction of cracked bonds has"
+                    : body_.terms().without_energy() ? "pressure at a free edge has"
+                                                     : "moments of fixed direction have"));
   }
 
   void tell_neutral() const {

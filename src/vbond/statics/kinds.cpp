@@ -39,7 +39,7 @@ void refuse_nothing_free(const StaticBody& body) {
 
 std::string free_motions_in_words(const StaticBody& body) {
   const RigidMotions free =
-      free_rigid_motions(body.model(), body.state(), body.unknowns(), body.terms().walls.holds(true));
+      free_rigid_motions(body.model(), body.state(), body.unknowns(), body.terms().holds(true));
   if (free.names.empty()) return {};
   std::string text = "parts of the body can move freely: ";
   constexpr std::size_t named = 6;
@@ -159,7 +159,7 @@ void tell(const StaticStage& stage, const StaticHooks& hooks, const std::string&
 }
 
 void tell_of_pressure(const StaticBody& body, const StaticHooks& hooks) {
-  if (const auto pressed = body.terms().pressure.without_energy())
+  if (const auto pressed = body.terms().without_energy())
     tell(body.stage(), hooks,
          fmt::format(
              "load factor {:.6g}: {}; it is solved with the unsymmetric tangent, and flutter is not seen",
@@ -167,7 +167,7 @@ void tell_of_pressure(const StaticBody& body, const StaticHooks& hooks) {
 }
 
 void refuse_pressure_without_energy(const StaticBody& body) {
-  const auto pressed = body.terms().pressure.without_energy();
+  const auto pressed = body.terms().without_energy();
   if (!pressed) return;
   const auto otherwise = [&] {
     switch (body.stage().kind) {

@@ -228,9 +228,9 @@ void PathStage::tell_crossing(const PathLeg& leg) const {
            "between load factors {:.6g} and {:.6g} the determinant of the tangent becomes {}: another "
            "path may cross there, which is not located, as {} no potential",
            a.at.load_factor, b.at.load_factor, b.sign < 0 ? "negative, and the balance unstable" : "positive",
-           body_.has_free_cell()                     ? "the stress on a cell that strains has"
-           : body_.terms().pressure.without_energy() ? "pressure at a free edge has"
-                                                     : "moments from outside have"));
+           body_.has_free_cell()            ? "the stress on a cell that strains has"
+           : body_.terms().without_energy() ? "pressure at a free edge has"
+                                            : "moments from outside have"));
 }
 
 /// Without a potential bifurcations are not looked for, and the path would go past the one to turn off at.

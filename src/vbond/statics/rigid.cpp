@@ -207,10 +207,10 @@ std::string motion_name(const Motion& m, const Part& part) {
 }  // namespace
 
 RigidMotions free_rigid_motions(const Model& model, const State& state, const Unknowns& unknowns,
-                                const std::vector<WallHold>& holds) {
+                                const std::vector<TermHold>& holds) {
   RigidMotions result;
   PerParticle<std::vector<Vec3d>> normals(model.particles());
-  for (const WallHold& h : holds) normals[h.p].push_back(h.normal);
+  for (const TermHold& h : holds) normals[h.p].push_back(h.along);
   std::vector<Eigen::Triplet<double>> entries;
   const Parts parts = connected_parts(model, state, unknowns);
   for (const Part& part : parts.all) {

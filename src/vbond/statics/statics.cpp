@@ -10,13 +10,13 @@
 #include "vbond/core/error.hpp"
 #include "vbond/model/capsules.hpp"
 #include "vbond/model/mistakes.hpp"
+#include "vbond/model/state_table.hpp"
 #include "vbond/statics/detail/body.hpp"
 #include "vbond/statics/detail/kinds.hpp"
 #include "vbond/statics/detail/newton.hpp"
 #include "vbond/statics/detail/one_blas_thread.hpp"
 #include "vbond/statics/detail/pulse.hpp"
 #include "vbond/terms/heat/heat.hpp"
-#include "vbond/terms/pressure/pressed.hpp"
 
 namespace vbond {
 namespace {
@@ -122,13 +122,6 @@ void refuse_bonds_without_length(const StaticStage& stage, const State& state) {
         "a change that should go back");
 }
 
-/// All bodies of the stage press on the facets that it begins with.
-void begin_pressures(const StaticStage& stage, State& state) {
-  state.pressed = facets_as_found(stage.pressures, state.r);
-  if (!belong_to(state.pressed, stage.pressures))
-    throw std::invalid_argument("run_static_stage: a pressure does not say on which facets it acts");
-}
-
 /// Before anything is worked out: at load factor 0 only constant pressures are there. Placements that come
 /// later are looked at as they are found.
 void refuse_pressure_without_energy(const Model& model, const StaticStage& stage, const State& state) {
@@ -152,7 +145,8 @@ StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, Sta
     if (hooks.point) hooks.point(p);
   };
   try {
-    begin_pressures(stage, state);
+    begin_anew(state, Anew::any_stage);
+    Terms::for_each([&]<class T>(T) { T::begin_at_rest(stage, state); });
     refuse_bonds_that_remember(stage, state);
     refuse_contacts(model, stage, state);
     refuse_bonds_without_length(stage, state);

@@ -1,4 +1,6 @@
 #include "vbond/statics/detail/work.hpp"
+#include "vbond/terms/heat/detail/rest_heat.hpp"
+#include "vbond/terms/walls/detail/rest_walls.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -35,9 +37,12 @@ Vector way(const StaticBody& body, const Placement& from, const Placement& to) {
 }  // namespace
 
 Stand stand_of(const StaticBody& body) {
-  return {body.placement(),           body.power_of_supports() + body.terms().heat.power(),
-          body.terms().walls.power(), body.energies().potential(),
-          body.dissipated(),          body.forces_on_cell()};
+  return {body.placement(),
+          body.power_of_supports() + body.terms().of<RestHeat>().power(),
+          body.terms().of<RestWalls>().power(),
+          body.energies().potential(),
+          body.dissipated(),
+          body.forces_on_cell()};
 }
 
 bool WorkOnTheWay::correct_here() {

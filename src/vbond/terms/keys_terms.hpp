@@ -1,21 +1,16 @@
 #pragma once
 #include <optional>
-#include <vector>
 
 #include "vbond/terms/heat/keys_heat.hpp"
 #include "vbond/terms/pressure/keys_pressure.hpp"
 #include "vbond/terms/strain/keys_strain.hpp"
+#include "vbond/terms/terms.hpp"
 #include "vbond/terms/walls/keys_walls.hpp"
 
 namespace vbond {
 
-/// What a stage says of the terms.
-struct TermSpecs {
-  std::vector<TemperatureSpec> temperatures;  ///< all kinds but modes
-  std::vector<PressureSpec> pressures;        ///< all kinds
-  std::vector<WallDriveSpec> walls;           ///< dynamics, equilibrium, fracture
-  std::optional<StrainSpec> strain;           ///< dynamics
-};
+/// What a stage says of the terms: SpecPart of each, in the headers above.
+struct TermSpecs : Terms::OfSpec {};
 
 namespace keys {
 class Table;

@@ -1,51 +1,37 @@
 #pragma once
-#include <initializer_list>
+#include <array>
+#include <memory>
 #include <vector>
 
 #include "vbond/dynamics/motion_term.hpp"
-#include "vbond/terms/heat/motion_heat.hpp"
-#include "vbond/terms/pressure/motion_pressure.hpp"
-#include "vbond/terms/strain/motion_strain.hpp"
-#include "vbond/terms/walls/motion_walls.hpp"
+#include "vbond/terms/terms.hpp"
 
 namespace vbond {
 
-/// The list of the terms of a body in motion. A step goes over those that its stage has, in this order. A
-/// strain that is imposed has all loads worked out anew: what moves by itself, as walls do, comes after it.
+/// The terms of a body in motion. A step goes over those that its stage has, in the order of the list.
 class MotionTerms {
  public:
-  explicit MotionTerms(const BodyInMotion& on) : heat(on), strain(on), pressure(on), walls(on) {
-    for (MotionTerm* t : std::initializer_list<MotionTerm*>{&heat, &strain, &pressure, &walls})
-      if (t->is_there()) {
-        all_.push_back(t);
-        if (t->touches()) touching_.push_back(t);
-      }
-  }
-  MotionTerms(const MotionTerms&) = delete;
-  MotionTerms& operator=(const MotionTerms&) = delete;
+  explicit MotionTerms(const BodyInMotion& on);
 
   bool any() const { return !all_.empty(); }
   const std::vector<MotionTerm*>& all() { return all_; }
-  /// Those that particles touch.
+  /// Those that need all particles to have moved before loads are added.
   const std::vector<MotionTerm*>& touching() { return touching_; }
   bool any_touching() const { return !touching_.empty(); }
-  void write(State& state) const {
-    for (const MotionTerm* t : all_) t->write(state);
-  }
+  /// Those that add loads block by block.
+  const std::vector<MotionTerm*>& loading() { return loading_; }
+  void write(State& state) const;
   /// What they store.  [energy]
-  double energy() const {
-    double sum = 0.0;
-    for (const MotionTerm* t : all_) sum += t->energy();
-    return sum;
+  double energy() const;
+  /// The one that is T::Of in motion, also if the stage does not have it.
+  template <class T>
+  const T& of() const {
+    return static_cast<const T&>(*list_[Terms::place_of<typename T::Of>()]);
   }
-
-  MotionHeat heat;
-  MotionStrain strain;
-  MotionPressure pressure;
-  MotionWalls walls;
 
  private:
-  std::vector<MotionTerm*> all_, touching_;
+  std::array<std::unique_ptr<MotionTerm>, Terms::size> list_;
+  std::vector<MotionTerm*> all_, touching_, loading_;
 };
 
 }  // namespace vbond

@@ -1,6 +1,6 @@
 #pragma once
 #include "vbond/setup/stage_resolver.hpp"
-#include "vbond/terms/stage_terms.hpp"
+#include "vbond/terms/terms.hpp"
 
 namespace vbond {
 

@@ -28,12 +28,13 @@ struct StiffnessSum {
 };
 
 struct Placement;
+struct TermHold;
 
 /// An entry of a matrix over the unknowns.
 using SkewEntry = std::function<void(int row, int column, double K)>;
 
 /// Something besides bonds and contacts that acts on a body at rest: walls, temperatures. StaticBody calls
-/// what is there, in the order of terms/detail/rest_terms.hpp. Functions that stay as they are do nothing.
+/// what is there, in the order of terms/terms.hpp. Functions that stay as they are do nothing.
 class RestTerm {
  public:
   virtual ~RestTerm() = default;
@@ -61,6 +62,10 @@ class RestTerm {
   /// not flow: it has no potential. The largest sum of a row, and its entries.  [force/length]
   virtual double largest_skew() const { return 0.0; }
   virtual void for_skew(const SkewEntry&) const {}
+  /// The first particle at which it is a load without an energy, in words; nothing if it has one.
+  virtual std::optional<std::string> without_energy() const { return std::nullopt; }
+  /// Where it holds particles along a direction; to come: or may in this stage.
+  virtual void add_holds(bool /*to_come*/, std::vector<TermHold>&) const {}
   /// What it stores, of contacts.  [energy]
   virtual double energy() const { return 0.0; }
   /// The body as it stands is the balance from which it goes on.

@@ -9,14 +9,14 @@
 
 namespace vbond {
 
-/// A wall that keeps a particle from moving along its normal.
-struct WallHold {
+/// A term keeps a particle from moving along this direction, as a wall does along its normal.
+struct TermHold {
   ParticleId p;
-  Vec3d normal;
+  Vec3d along;
 };
 
 /// The motions as a rigid body, of each connected part (by bonds and contacts), that neither supports nor
-/// walls hold.
+/// terms hold.
 struct RigidMotions {
   /// Orthonormal columns over the unknowns; those of one part, six at most, follow each other and have
   /// entries at its unknowns only.
@@ -31,7 +31,7 @@ struct RigidMotions {
 /// are. Particles of a part that is
 /// joined by contacts alone can move against each other besides; that is not looked for.
 RigidMotions free_rigid_motions(const Model& model, const State& state, const Unknowns& unknowns,
-                                const std::vector<WallHold>& holds = {});
+                                const std::vector<TermHold>& holds = {});
 
 /// How the parts of a periodic body hang together by images.
 struct PartImages {

@@ -1,33 +1,39 @@
 #pragma once
-#include <initializer_list>
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
-#include "vbond/terms/heat/detail/rest_heat.hpp"
-#include "vbond/terms/pressure/detail/rest_pressure.hpp"
-#include "vbond/terms/walls/detail/rest_walls.hpp"
+#include "vbond/statics/detail/rest_term.hpp"
+#include "vbond/terms/terms.hpp"
 
 namespace vbond {
 
-/// The list of the terms of a body at rest, in the order in which they are called.
+/// The terms of a body at rest, which goes over those that its stage has, in the order of the list.
 class RestTerms {
  public:
   /// Keeps references; state: that of the body, whose model and stage are known.
-  RestTerms(const StaticBody& body, State& state)
-      : heat(body, state), pressure(body, state), walls(body, state) {
-    for (RestTerm* t : std::initializer_list<RestTerm*>{&heat, &pressure, &walls})
-      if (t->is_there()) all_.push_back(t), seen_.push_back(t);
-  }
-  RestTerms(const RestTerms&) = delete;
-  RestTerms& operator=(const RestTerms&) = delete;
+  RestTerms(const StaticBody& body, State& state);
 
   const std::vector<RestTerm*>& all() { return all_; }
   const std::vector<const RestTerm*>& all() const { return seen_; }
-
-  RestHeat heat;
-  RestPressure pressure;
-  RestWalls walls;
+  /// Where they hold particles; to come: also where they may in the stage.
+  std::vector<TermHold> holds(bool to_come) const;
+  /// The first particle at which one of them has no energy, in words; nothing if all have.
+  std::optional<std::string> without_energy() const;
+  /// The one that is T::Of at rest, also if the stage does not have it.
+  template <class T>
+  T& of() {
+    return static_cast<T&>(*list_[Terms::place_of<typename T::Of>()]);
+  }
+  template <class T>
+  const T& of() const {
+    return static_cast<const T&>(*list_[Terms::place_of<typename T::Of>()]);
+  }
 
  private:
+  std::array<std::unique_ptr<RestTerm>, Terms::size> list_;
   std::vector<RestTerm*> all_;
   std::vector<const RestTerm*> seen_;
 };

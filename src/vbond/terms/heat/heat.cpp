@@ -94,4 +94,18 @@ void keep_bonds(State& s, std::size_t n) {
   std::erase_if(s.warm_bonds, [n](const WarmBond& w) { return w.bond.value >= n; });
 }
 
+void HeatTerm::for_extremes(const State& state, const Stage& stage,
+                            const std::function<void(const State&)>& visit) {
+  if (stage.heating.empty() || state.warm_bonds.empty()) return;
+  const std::vector<GrowthRange> growth = growth_in(state, stage);
+  for (const auto end : {&GrowthRange::least, &GrowthRange::largest}) {
+    State grown = state;
+    for (std::size_t k = 0; k < growth.size(); ++k) {
+      const WarmBond& w = state.warm_bonds[k];
+      if (!state.bonds[w.bond].broken) grown.bonds[w.bond] = with_growth(state, w, growth[k].*end);
+    }
+    visit(grown);
+  }
+}
+
 }  // namespace vbond

@@ -21,3 +21,14 @@ void describe(Table& t, TemperatureSpec& s, std::optional<StageKind> kind) {
 }
 
 }  // namespace vbond::keys
+
+namespace vbond {
+
+void HeatTerm::describe(keys::Table& t, SpecPart<HeatTerm>& s, std::optional<StageKind> kind) {
+  t.when(!kind || kind != StageKind::modes, "every kind but \"modes\"", [&] {
+    t.tables(key, s.temperatures, keys::optional, "what heats bonds that expand",
+             [kind](keys::Table& k, TemperatureSpec& heat) { keys::describe(k, heat, kind); });
+  });
+}
+
+}  // namespace vbond

@@ -1,8 +1,11 @@
 #pragma once
+#include <algorithm>
 #include <string>
+#include <vector>
 
 #include "vbond/case/placed.hpp"
 #include "vbond/model/static_stage.hpp"
+#include "vbond/terms/heat/term_heat.hpp"
 
 namespace vbond {
 
@@ -13,6 +16,16 @@ struct TemperatureSpec {
   double temperature = 0;   ///< dynamics, times the factor
   TimeFunctionSpec factor;  ///< dynamics
   double change = 0;        ///< static stages: at load factor 1
+};
+
+template <>
+struct SpecPart<HeatTerm> {
+  std::vector<TemperatureSpec> temperatures;  ///< all kinds but modes
+  bool any() const { return !temperatures.empty(); }
+  bool grows() const {
+    return std::any_of(temperatures.begin(), temperatures.end(),
+                       [](const TemperatureSpec& t) { return t.change != 0.0; });
+  }
 };
 
 namespace keys {

@@ -80,4 +80,8 @@ void MotionHeat::book() {
   }
 }
 
+std::unique_ptr<MotionTerm> HeatTerm::in_motion(const BodyInMotion& on) {
+  return std::make_unique<MotionHeat>(on);
+}
+
 }  // namespace vbond

@@ -64,4 +64,8 @@ double RestHeat::power() const {
   return power;
 }
 
+std::unique_ptr<RestTerm> HeatTerm::at_rest(const StaticBody& body, State& state) {
+  return std::make_unique<RestHeat>(body, state);
+}
+
 }  // namespace vbond

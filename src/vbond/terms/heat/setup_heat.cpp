@@ -1,9 +1,9 @@
-#include "vbond/terms/heat/setup_heat.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+
+#include "vbond/setup/stage_resolver.hpp"
 
 namespace vbond {
 namespace {
@@ -35,14 +35,12 @@ void check_temperatures(const StageResolver& resolver) {
 
 }  // namespace
 
-std::vector<Heating> resolve_heating(const StageResolver& resolver) {
+void HeatTerm::resolve(const StageResolver& resolver, StagePart<HeatTerm>& to) {
   check_temperatures(resolver);
   const bool at_rest = is_static(resolver.spec.kind);
-  std::vector<Heating> resolved;
   for (const TemperatureSpec& t : resolver.spec.temperatures)
-    resolved.push_back({resolver.particles(t.group), at_rest ? t.change : t.temperature,
-                        resolver.function(t.factor, t.place)});
-  return resolved;
+    to.heating.push_back({resolver.particles(t.group), at_rest ? t.change : t.temperature,
+                          resolver.function(t.factor, t.place)});
 }
 
 }  // namespace vbond

@@ -70,3 +70,12 @@ void describe(Table& t, PressureSpec& s, std::optional<StageKind> kind) {
 }
 
 }  // namespace vbond::keys
+
+namespace vbond {
+
+void PressureTerm::describe(keys::Table& t, SpecPart<PressureTerm>& s, std::optional<StageKind> kind) {
+  t.tables(key, s.pressures, keys::optional, "pressures on chains, sheets and the skin of solids",
+           [kind](keys::Table& k, PressureSpec& pressure) { keys::describe(k, pressure, kind); });
+}
+
+}  // namespace vbond

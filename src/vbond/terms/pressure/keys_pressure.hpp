@@ -1,13 +1,16 @@
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "vbond/case/placed.hpp"
 #include "vbond/case/region_spec.hpp"
 #include "vbond/core/vec3.hpp"
 #include "vbond/model/static_stage.hpp"
+#include "vbond/terms/pressure/term_pressure.hpp"
 
 namespace vbond {
 
@@ -36,6 +39,15 @@ struct PressureSpec {
   std::optional<FacetRegion> region{};
   TimeFunctionSpec factor;  ///< dynamics
   bool constant = false;    ///< static stages
+};
+
+template <>
+struct SpecPart<PressureTerm> {
+  std::vector<PressureSpec> pressures;  ///< all kinds
+  bool any() const { return !pressures.empty(); }
+  bool grows() const {
+    return std::any_of(pressures.begin(), pressures.end(), [](const PressureSpec& p) { return !p.constant; });
+  }
 };
 
 namespace keys {

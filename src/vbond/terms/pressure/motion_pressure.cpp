@@ -58,4 +58,8 @@ void MotionPressure::end_step(double dt) {
   on_.books.work_loads += work;
 }
 
+std::unique_ptr<MotionTerm> PressureTerm::in_motion(const BodyInMotion& on) {
+  return std::make_unique<MotionPressure>(on);
+}
+
 }  // namespace vbond

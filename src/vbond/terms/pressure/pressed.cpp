@@ -9,6 +9,9 @@
 #include <tuple>
 #include <utility>
 
+#include "vbond/model/stage.hpp"
+#include "vbond/model/state.hpp"
+
 namespace vbond {
 namespace {
 
@@ -148,6 +151,12 @@ std::string in_words(const Pressure& pressure, const PerParticle<Vec3d>& r) {
   else
     text += fmt::format(", with free edges: area {:.6g}", size.area);
   return text;
+}
+
+AddedFrequency PressureTerm::added_frequency(const Model& model, const State& state, const Stage& stage,
+                                             double dt_without) {
+  if (!std::isfinite(dt_without)) return {};
+  return {lambda_of_pressures(stage.pressures, model.mass, state.r, stage.stops.duration), "pressure"};
 }
 
 }  // namespace vbond

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <stdexcept>
 #include <utility>
 
 #include "vbond/statics/detail/body.hpp"
@@ -197,6 +198,16 @@ std::optional<std::string> RestPressure::without_energy() const {
   if (!is_there() || skew().entries.empty()) return std::nullopt;
   return fmt::format("the pressure has no energy: the surface that it follows has a free edge at particle {}",
                      body_.unknowns().place(skew().entries.front().row).particle.value);
+}
+
+void PressureTerm::begin_at_rest(const StaticStage& stage, State& state) {
+  state.pressed = facets_as_found(stage.pressures, state.r);
+  if (!belong_to(state.pressed, stage.pressures))
+    throw std::invalid_argument("run_static_stage: a pressure does not say on which facets it acts");
+}
+
+std::unique_ptr<RestTerm> PressureTerm::at_rest(const StaticBody& body, State& state) {
+  return std::make_unique<RestPressure>(body, state);
 }
 
 }  // namespace vbond

@@ -1,4 +1,3 @@
-#include "vbond/terms/pressure/setup_pressure.hpp"
 
 #include <fmt/format.h>
 
@@ -18,6 +17,7 @@
 #include "vbond/setup/csv_table.hpp"
 #include "vbond/setup/groups.hpp"
 #include "vbond/setup/regions.hpp"
+#include "vbond/setup/stage_resolver.hpp"
 #include "vbond/setup/text_file.hpp"
 #include "vbond/terms/pressure/pressed.hpp"
 #include "vbond/terms/pressure/setup_facets.hpp"
@@ -318,29 +318,27 @@ void refuse_passage(const StageResolver& resolver, const PressureSpec& s) {
 
 }  // namespace
 
-std::vector<Pressure> resolve_pressures(const StageResolver& resolver) {
-  std::vector<Pressure> resolved;
+void PressureTerm::resolve(const StageResolver& resolver, StagePart<PressureTerm>& to) {
   for (const PressureSpec& s : resolver.spec.pressures) {
     resolver.particles(s.group);
     if (resolver.model.cell.any())
       resolver.problems.add(s.place, "a periodic body takes no pressure", "its surface would cross the cell",
                             "give the cell a stress: cell = {xx = ...}");
     refuse_passage(resolver, s);
-    resolved.push_back({s.group.value,
-                        {},
-                        s.pressure,
-                        resolver.function(s.factor, s.place),
-                        s.constant,
-                        s.kind,
-                        s.centre,
-                        across_of(s)});
+    to.pressures.push_back({s.group.value,
+                            {},
+                            s.pressure,
+                            resolver.function(s.factor, s.place),
+                            s.constant,
+                            s.kind,
+                            s.centre,
+                            across_of(s)});
   }
-  return resolved;
 }
 
-void find_facets(const StageResolver& resolver, const State& state, std::vector<Pressure>& pressures) {
-  for (std::size_t k = 0; k < pressures.size(); ++k)
-    pressures[k].facets = FacetFinder(resolver, state, resolver.spec.pressures[k]).find();
+void PressureTerm::complete(const StageResolver& resolver, const State& state, StagePart<PressureTerm>& to) {
+  for (std::size_t k = 0; k < to.pressures.size(); ++k)
+    to.pressures[k].facets = FacetFinder(resolver, state, resolver.spec.pressures[k]).find();
 }
 
 }  // namespace vbond

@@ -16,3 +16,12 @@ void describe(Table& t, StrainSpec& s) {
 }
 
 }  // namespace vbond::keys
+
+namespace vbond {
+
+void StrainTerm::describe(keys::Table& t, SpecPart<StrainTerm>& s, std::optional<StageKind> kind) {
+  t.when(kind == StageKind::dynamics, "kind = \"dynamics\"",
+         [&] { t.table(key, s.strain, "affine strain, applied step by step"); });
+}
+
+}  // namespace vbond

@@ -1,8 +1,10 @@
 #pragma once
+#include <optional>
 #include <string>
 
 #include "vbond/case/placed.hpp"
 #include "vbond/core/vec3.hpp"
+#include "vbond/terms/strain/term_strain.hpp"
 
 namespace vbond {
 
@@ -13,6 +15,13 @@ struct StrainSpec {
   Vec3d direction{1, 0, 0};
   double increment = 0;
   CaseTime every;
+};
+
+template <>
+struct SpecPart<StrainTerm> {
+  std::optional<StrainSpec> strain;  ///< dynamics
+  bool any() const { return strain.has_value(); }
+  bool grows() const { return false; }
 };
 
 namespace keys {

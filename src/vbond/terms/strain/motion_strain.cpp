@@ -22,4 +22,8 @@ void MotionStrain::begin_step() {
   on_.books.work_supports += on_.host.potential_energy() - U_before - work_applied;
 }
 
+std::unique_ptr<MotionTerm> StrainTerm::in_motion(const BodyInMotion& on) {
+  return std::make_unique<MotionStrain>(on);
+}
+
 }  // namespace vbond

@@ -1,8 +1,13 @@
-#include "vbond/terms/strain/setup_strain.hpp"
+#include <utility>
+
+#include "vbond/setup/stage_resolver.hpp"
 
 namespace vbond {
 
-StrainProgram resolve_strain(const StageResolver& resolver, const StrainSpec& s) {
+/// About the group's centroid at the start.
+void StrainTerm::resolve(const StageResolver& resolver, StagePart<StrainTerm>& to) {
+  if (!resolver.spec.strain) return;
+  const StrainSpec& s = *resolver.spec.strain;
   StrainProgram resolved{resolver.particles(s.group),
                          resolver.direction(s.direction, "strain", s.place),
                          {},
@@ -11,7 +16,7 @@ StrainProgram resolve_strain(const StageResolver& resolver, const StrainSpec& s)
   for (const ParticleId p : resolved.particles) resolved.centre += resolver.model.r_0[p];
   if (!resolved.particles.empty())
     resolved.centre = resolved.centre / static_cast<double>(resolved.particles.size());
-  return resolved;
+  to.strain = std::move(resolved);
 }
 
 }  // namespace vbond

@@ -167,3 +167,16 @@ void describe(Table& t, WallDriveSpec& d, std::optional<StageKind> kind) {
 }
 
 }  // namespace vbond::keys
+
+namespace vbond {
+
+void WallsTerm::describe(keys::Table& t, SpecPart<WallsTerm>& s, std::optional<StageKind> kind) {
+  t.when(
+      !kind || kind == StageKind::dynamics || kind == StageKind::equilibrium || kind == StageKind::fracture,
+      "kind = \"dynamics\", \"equilibrium\" or \"fracture\"", [&] {
+        t.tables(key, s.walls, keys::optional, "what moves walls; the others stand still",
+                 [kind](keys::Table& k, WallDriveSpec& drive) { keys::describe(k, drive, kind); });
+      });
+}
+
+}  // namespace vbond

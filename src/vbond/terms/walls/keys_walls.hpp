@@ -8,6 +8,7 @@
 #include "vbond/case/placed.hpp"
 #include "vbond/core/vec3.hpp"
 #include "vbond/model/static_stage.hpp"
+#include "vbond/terms/walls/term_walls.hpp"
 #include "vbond/terms/walls/wall.hpp"
 
 /// Materials and walls of a case as the user wrote them; see case.hpp. Vectors of a direction have any length
@@ -92,6 +93,13 @@ struct WallDriveSpec {
   TimeFunctionSpec factor;  ///< of both velocities
   std::optional<WallOscillationSpec> oscillation;
   std::optional<WallServoSpec> servo;
+};
+
+template <>
+struct SpecPart<WallsTerm> {
+  std::vector<WallDriveSpec> walls;  ///< dynamics, equilibrium, fracture
+  bool any() const { return !walls.empty(); }
+  bool grows() const { return any(); }
 };
 
 namespace keys {

@@ -255,4 +255,8 @@ double MotionWalls::energy() const {
   return U;
 }
 
+std::unique_ptr<MotionTerm> WallsTerm::in_motion(const BodyInMotion& on) {
+  return std::make_unique<MotionWalls>(on);
+}
+
 }  // namespace vbond

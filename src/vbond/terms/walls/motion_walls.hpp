@@ -4,6 +4,7 @@
 
 #include "vbond/dynamics/motion_term.hpp"
 #include "vbond/dynamics/touch_kernel.hpp"
+#include "vbond/terms/walls/term_walls.hpp"
 #include "vbond/terms/walls/wall_touch.hpp"
 
 namespace vbond {
@@ -19,6 +20,7 @@ struct DeepInWall {
 /// A block adds the loads of walls to its own rows only; loads on walls are added up block by block.
 class MotionWalls final : public MotionTerm {
  public:
+  using Of = WallsTerm;
   explicit MotionWalls(const BodyInMotion& on);
 
   bool is_there() const override { return !walls_.empty(); }

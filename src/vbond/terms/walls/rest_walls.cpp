@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "vbond/statics/detail/body.hpp"
+#include "vbond/statics/detail/rigid.hpp"
 
 namespace vbond {
 
@@ -145,23 +146,21 @@ double RestWalls::farthest_way() const {
   return farthest;
 }
 
-std::vector<WallHold> RestWalls::holds(bool to_come) const {
+void RestWalls::add_holds(bool to_come, std::vector<TermHold>& to) const {
   constexpr double rounding = 1e-9;  // of a radius: a wall at a specimen's surface touches it
   double reach = 0.0;
   if (to_come)
     for (const double R : body_.model().radius) reach = std::max(reach, rounding * R);
   if (to_come) reach += farthest_way();
-  std::vector<WallHold> holds;
   for (const RestingTouch& t : walls_.near(state_, reach)) {
-    holds.push_back({t.p, t.normal});
+    to.push_back({t.p, t.normal});
     // what is pressed into a hollow wall finds its place across the normal, too
     const WallShape& shape = body_.model().walls[t.wall].shape;
     if (const auto* sphere = std::get_if<SphereWall>(&shape); sphere && sphere->side == WallSide::inside)
-      for (const Vec3d& e : {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}}) holds.push_back({t.p, e});
+      for (const Vec3d& e : {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}}) to.push_back({t.p, e});
     if (const auto* cylinder = std::get_if<CylinderWall>(&shape); cylinder && t.hollow)
-      holds.push_back({t.p, cross(rotate(state_.walls[t.wall].q, cylinder->axis), t.normal)});
+      to.push_back({t.p, cross(rotate(state_.walls[t.wall].q, cylinder->axis), t.normal)});
   }
-  return holds;
 }
 
 double RestWalls::largest_change(const Vector& x, double load_factor_change) const {
@@ -205,6 +204,10 @@ std::optional<std::string> RestWalls::fault() const {
     }
   }
   return std::nullopt;
+}
+
+std::unique_ptr<RestTerm> WallsTerm::at_rest(const StaticBody& body, State& state) {
+  return std::make_unique<RestWalls>(body, state);
 }
 
 }  // namespace vbond

@@ -40,9 +40,9 @@ std::optional<std::size_t> wall_of_entry(const StageResolver& resolver, const Wa
 
 }  // namespace
 
-std::vector<WallDrive> resolve_wall_drives(const StageResolver& resolver) {
+void WallsTerm::resolve(const StageResolver& resolver, StagePart<WallsTerm>& to) {
   const bool at_rest = is_static(resolver.spec.kind);
-  std::vector<WallDrive> drives;
+  std::vector<WallDrive>& drives = to.walls;
   for (const WallDriveSpec& d : resolver.spec.walls) {
     const auto index = wall_of_entry(resolver, d, drives);
     if (!index) continue;
@@ -71,7 +71,6 @@ std::vector<WallDrive> resolve_wall_drives(const StageResolver& resolver) {
                      d.servo->fastest.value_or(std::numeric_limits<double>::infinity())};
     drives.push_back(std::move(drive));
   }
-  return drives;
 }
 
 }  // namespace vbond

@@ -30,7 +30,4 @@ void add_walls(const Case& c, Built& built, Problems& problems);
 std::optional<std::size_t> look_up_wall(const Placed<std::string>& name, const Model& model,
                                         Problems& problems);
 
-/// What moves the walls in a stage.
-std::vector<WallDrive> resolve_wall_drives(const StageResolver& resolver);
-
 }  // namespace vbond

@@ -135,38 +135,34 @@ void look_at_walls_in_cell(const Model& model, const StageTerms& stage, bool cel
 
 }  // namespace
 
-std::vector<std::string> mistakes_in_drives(const Model& model, const StaticStage& stage) {
+void WallsTerm::look_at_rest(const Model& model, const StaticStage& stage, Mistakes& found) {
   const bool moves = stage.kind == StageKind::equilibrium || stage.kind == StageKind::fracture;
-  Mistakes all(model);
-  all.add(look_at_drives(model, stage.walls, [&](const WallDrive& d, const std::string& who, Lines& found) {
-    found.require(moves, who, "walls move in stages of equilibrium and of fracture");
-    found.require(d.factor.points.empty() && d.frequency == 0.0 && !d.servo, who,
+  found.add(look_at_drives(model, stage.walls, [&](const WallDrive& d, const std::string& who, Lines& wrong) {
+    wrong.require(moves, who, "walls move in stages of equilibrium and of fracture");
+    wrong.require(d.factor.points.empty() && d.frequency == 0.0 && !d.servo, who,
                   "factor, oscillation and servo are for stages of motion");
   }));
-  look_at_walls_in_cell(model, stage, stage.cell.any(), all);
-  return std::move(all).take();
+  look_at_walls_in_cell(model, stage, stage.cell.any(), found);
 }
 
-std::vector<std::string> mistakes_in_drives(const Model& model, const Stage& stage) {
-  Mistakes all(model);
-  all.add(look_at_drives(model, stage.walls, [](const WallDrive& d, const std::string& who, Lines& found) {
-    found.require(d.frequency >= 0.0 && std::isfinite(d.frequency), who,
+void WallsTerm::look_at_motion(const Model& model, const Stage& stage, Mistakes& found) {
+  found.add(look_at_drives(model, stage.walls, [](const WallDrive& d, const std::string& who, Lines& wrong) {
+    wrong.require(d.frequency >= 0.0 && std::isfinite(d.frequency), who,
                   fmt::format("the frequency is {}: it must be >= 0", d.frequency));
     if (!d.servo) return;
     const WallDrive::Servo& s = *d.servo;
-    found.require(is_direction(s.direction), who, "the direction of the servo must be a unit vector");
-    found.require(std::isfinite(s.force), who, "the force of the servo must be finite");
-    found.require(is_size(s.mass), who, fmt::format("the mass of the servo is {}: it must be > 0", s.mass));
-    found.require(s.damping >= 0.0 && std::isfinite(s.damping), who,
+    wrong.require(is_direction(s.direction), who, "the direction of the servo must be a unit vector");
+    wrong.require(std::isfinite(s.force), who, "the force of the servo must be finite");
+    wrong.require(is_size(s.mass), who, fmt::format("the mass of the servo is {}: it must be > 0", s.mass));
+    wrong.require(s.damping >= 0.0 && std::isfinite(s.damping), who,
                   fmt::format("the damping of the servo is {}: it must be >= 0", s.damping));
-    found.require(s.fastest > 0.0, who, fmt::format("the largest speed is {}: it must be > 0", s.fastest));
+    wrong.require(s.fastest > 0.0, who, fmt::format("the largest speed is {}: it must be > 0", s.fastest));
   }));
-  look_at_walls_in_cell(model, stage, stage.cell.any(), all);
+  look_at_walls_in_cell(model, stage, stage.cell.any(), found);
   for (const WallDrive& d : stage.walls) {
-    all.require_factor(d.factor, "the drive of wall \"" + d.wall + "\"");
-    if (d.servo) all.require_factor(d.servo->factor, "the servo of wall \"" + d.wall + "\"");
+    found.require_factor(d.factor, "the drive of wall \"" + d.wall + "\"");
+    if (d.servo) found.require_factor(d.servo->factor, "the servo of wall \"" + d.wall + "\"");
   }
-  return std::move(all).take();
 }
 
 }  // namespace vbond

@@ -3,6 +3,7 @@
 
 #include "vbond/model/state.hpp"
 #include "vbond/statics/detail/rest_term.hpp"
+#include "vbond/terms/heat/term_heat.hpp"
 
 namespace vbond {
 
@@ -11,6 +12,7 @@ class StaticBody;
 /// Temperatures of a stage at rest, which change in proportion to the load factor.
 class RestHeat final : public RestTerm {
  public:
+  using Of = HeatTerm;
   /// Keeps references; state: that of the body.
   RestHeat(const StaticBody& body, State& state) : body_(body), state_(state) {}
 

@@ -8,6 +8,7 @@
 #include "vbond/model/state.hpp"
 #include "vbond/statics/detail/rest_term.hpp"
 #include "vbond/terms/pressure/pressed.hpp"
+#include "vbond/terms/pressure/term_pressure.hpp"
 
 namespace vbond {
 
@@ -20,6 +21,7 @@ class StaticBody;
 /// what is left of it beyond rounding shows that the load has no energy.
 class RestPressure final : public RestTerm {
  public:
+  using Of = PressureTerm;
   /// Keeps references; state: that of the body.
   RestPressure(const StaticBody& body, State& state) : body_(body), state_(state) {}
 
@@ -34,8 +36,7 @@ class RestPressure final : public RestTerm {
   double work(const Placement& from, const Placement& to, double load_factor) const override;
   double largest_skew() const override { return skew().largest; }
   void for_skew(const SkewEntry& entry) const override;
-  /// The first particle at which the pressure has no energy, in words; nothing if it has one.
-  std::optional<std::string> without_energy() const;
+  std::optional<std::string> without_energy() const override;
 
  private:
   struct Entry {

@@ -6,8 +6,8 @@
 #include "vbond/model/body_view.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/statics/detail/rest_term.hpp"
-#include "vbond/statics/detail/rigid.hpp"
 #include "vbond/terms/walls/resting_walls.hpp"
+#include "vbond/terms/walls/term_walls.hpp"
 
 namespace vbond {
 
@@ -16,6 +16,7 @@ class StaticBody;
 /// Walls of a stage at rest: what they do to particles, and how they move with the load factor.
 class RestWalls final : public RestTerm {
  public:
+  using Of = WallsTerm;
   /// Keeps references; state: that of the body.
   RestWalls(const StaticBody& body, State& state);
 
@@ -33,15 +34,15 @@ class RestWalls final : public RestTerm {
   /// How far particles would go towards or along walls: the way over the radius, of those that do not touch
   /// over the radius and twice the gap. Nothing passes a wall by less than 1.
   double largest_change(const Vector& x, double load_factor_change) const override;
+  /// Along the normal, hollow ones also across it: all touches; to come: also places that are no farther from
+  /// a particle than walls come in the stage.
+  void add_holds(bool to_come, std::vector<TermHold>& to) const override;
 
   /// Whether some move with the load factor.
   bool moves() const { return !driven_.empty(); }
   /// What each wall does along its motion, per load factor.  [energy]
   Vector power() const;
   void add_work(const Vector& work);
-  /// Where walls hold particles along the normal, hollow ones also across it: all touches; to come: also
-  /// places that are no farther from a particle than walls come in the stage.
-  std::vector<WallHold> holds(bool to_come) const;
 
  private:
   /// A wall that moves: as it was when the stage took hold of it, and how it goes on from there.

@@ -1,15 +1,13 @@
-#pragma once
 #include <fmt/format.h>
 
 #include <cmath>
 
 #include "vbond/model/detail/mistake_list.hpp"
-#include "vbond/model/stage.hpp"
+#include "vbond/model/static_stage.hpp"
 
 namespace vbond {
 
-/// What a program may do wrong with an imposed strain.
-inline void look_at_strain(const Model& model, const Stage& stage, Mistakes& found) {
+void StrainTerm::look_at_motion(const Model& model, const Stage& stage, Mistakes& found) {
   if (!stage.strain) return;
   const StrainProgram& strain = *stage.strain;
   found.require_known(strain.particles, "the imposed strain");
@@ -23,6 +21,10 @@ inline void look_at_strain(const Model& model, const Stage& stage, Mistakes& fou
   found.require(!strained_and_gripped(stage),
                 "the imposed strain moves particles of a rigid support, which would take them back");
   found.require(!model.cell.any(), "a periodic body takes no imposed strain: its cell is strained");
+}
+
+void StrainTerm::look_at_rest(const Model&, const StaticStage& stage, Mistakes& found) {
+  found.require(!stage.strain, "a stage at rest imposes no strain");
 }
 
 }  // namespace vbond

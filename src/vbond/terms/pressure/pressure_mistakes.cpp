@@ -1,17 +1,16 @@
-#pragma once
 #include <fmt/format.h>
 
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "vbond/model/detail/mistake_list.hpp"
-#include "vbond/terms/pressure/pressure.hpp"
+#include "vbond/model/static_stage.hpp"
 
 namespace vbond {
+namespace {
 
-/// What a program may do wrong with the pressures of a stage.
-inline void look_at_pressures(const Model& model, const std::vector<Pressure>& pressures, bool at_rest,
-                              Mistakes& found) {
+void look_at(const Model& model, const std::vector<Pressure>& pressures, bool at_rest, Mistakes& found) {
   for (const Pressure& p : pressures) {
     const std::string who = "a pressure on group \"" + p.group + "\"";
     found.require(std::isfinite(p.pressure), fmt::format("{} is {}", who, p.pressure));
@@ -28,6 +27,21 @@ inline void look_at_pressures(const Model& model, const std::vector<Pressure>& p
   }
   found.require(pressures.empty() || !model.cell.any(),
                 "pressure acts on bodies without a cell: the cell of a periodic one gives way to a stress");
+}
+
+}  // namespace
+
+void PressureTerm::look_at_motion(const Model& model, const Stage& stage, Mistakes& found) {
+  look_at(model, stage.pressures, false, found);
+  found.require(
+      stage.pressures.empty() || (stage.inflows.empty() && stage.sinks.empty()),
+      "pressure acts on the same particles throughout a stage: no bodies come in, none are taken out");
+  found.require(stage.pressures.empty() || stage.on_unphysical == OnUnphysical::stop,
+                "pressure acts on the same particles throughout a stage: none may be dropped");
+}
+
+void PressureTerm::look_at_rest(const Model& model, const StaticStage& stage, Mistakes& found) {
+  look_at(model, stage.pressures, true, found);
 }
 
 }  // namespace vbond
