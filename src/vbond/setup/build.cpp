@@ -80,7 +80,11 @@ class Properties {
       return refuse(i, fmt::format("radius = {}", radius(i)), "must be >= 0", "correct the radius");
     if (!finite_positive(mass(i)))
       return refuse(i, fmt::format("mass = {}", mass(i)), "must be > 0 and finite",
-                    s_.spec->density ? "a density needs a positive radius" : "give a positive mass");
+                    !s_.spec->density ? "give a positive mass"
+                    : s_.spec->thickness
+                        ? "a surface shares its mass by its triangles, and this particle has "
+                          "none: give mass in place of density"
+                        : "a density needs a positive radius");
     const Vec3d I = inertia(i).moments;
     if (!finite_positive(least_of(I)) || !finite_positive(largest_of(I)))
       return refuse(i, fmt::format("inertia = {}", least_of(I)),
