@@ -207,7 +207,7 @@ TEST(OneHeldRotation, DependsOnLoadStepsBySecondOrderAndThatIsTold) {
     StaticHooks hooks;
     int times = 0;
     hooks.tell = [&times](const std::string& text) {
-      times += text.find("held about one axis and free to turn about two") != std::string::npos;
+      times += text.find("is held about one axis and has turned") != std::string::npos;
     };
     const State end = run_static_stage(rod.model, stage, rod.state, hooks).state;
     EXPECT_EQ(times, told);

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "vbond/core/error.hpp"
 #include "vbond/model/capsules.hpp"
@@ -79,26 +80,41 @@ void tell_what_rests(const Model& model, const StaticStage& stage, const State& 
                      state.contact_history.size() + state.wall_history.size()));
 }
 
-/// One held rotation of three is a rule on how a particle turns, and none on where it may be: it has no
-/// balance apart from the way there, of which load steps are chords.
-void tell_what_depends_on_steps(const Model& model, const StaticStage& stage, const StaticHooks& hooks) {
-  if (stage.kind == StageKind::modes) return;
-  PerParticle<std::ptrdiff_t> held(model.particles());
-  for (const Support& s : stage.supports)
-    for (const ParticleId p : s.particles)
-      held[p] += s.rigid ? 3 : std::count(s.held.begin() + 3, s.held.end(), true);
-  for (const Support& s : stage.supports) {
-    if (std::none_of(s.particles.begin(), s.particles.end(), [&](ParticleId p) { return held[p] == 1; }))
-      continue;
-    tell(
-        stage, hooks,
-        fmt::format("particles of \"{}\" are held about one axis and free to turn about two: where they turn "
-                    "far, the balance depends on the way there, and so on the load steps; with twice as many "
-                    "its distance from that of loads that grow without steps falls to a quarter",
-                    s.group));
-    return;
+/// Particles of which supports hold one rotation of three. That is a rule on how a particle turns, and none
+/// on where it may be: it has no balance apart from the way there, of which load steps are chords.
+class HeldAboutOneAxis {
+ public:
+  HeldAboutOneAxis(const Model& model, const StaticStage& stage, const State& state) {
+    PerParticle<std::ptrdiff_t> held(model.particles());
+    for (const Support& s : stage.supports)
+      for (const ParticleId p : s.particles)
+        held[p] += s.rigid ? 3 : std::count(s.held.begin() + 3, s.held.end(), true);
+    for (const Support& s : stage.supports)
+      for (const ParticleId p : s.particles)
+        if (held[p] == 1) at_start_.push_back({s.group, p, state.q[p]});
   }
-}
+  /// Once the stage has ended: the error of its steps is of the second order in how far they turn.
+  void tell_of_steps(const StaticStage& stage, const State& end, const StaticHooks& hooks) const {
+    constexpr double far = 1e-3;  // of 1: an error in the sixth digit
+    for (const Held& h : at_start_) {
+      if (!(norm(rotation_vector(end.q[h.particle] * conjugate(h.turned))) > far)) continue;
+      return tell(
+          stage, hooks,
+          fmt::format("particle {} of \"{}\" is held about one axis and has turned about the others: its "
+                      "balance depends on the way there, and so on the load steps; with twice as many its "
+                      "distance from that of loads that grow without steps falls to a quarter",
+                      h.particle.value, h.group));
+    }
+  }
+
+ private:
+  struct Held {
+    std::string group;
+    ParticleId particle;
+    Quatd turned;
+  };
+  std::vector<Held> at_start_;
+};
 
 void refuse_contacts(const Model& model, const StaticStage& stage, const State& state) {
   if (any_capsules(model.contact, state.bonds))
@@ -152,11 +168,12 @@ StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, Sta
     refuse_bonds_without_length(stage, state);
     refuse_pressure_without_energy(model, stage, state);
     tell_what_rests(model, stage, state, hooks);
-    tell_what_depends_on_steps(model, stage, hooks);
-    if (!model.cell.any() || stage.kind == StageKind::modes)
-      return run_kind(model, stage, std::move(state), keeping);
-    const StaticStage held = with_floating_held(model, stage, state, hooks);
-    return run_kind(model, held, std::move(state), keeping);
+    const HeldAboutOneAxis one_axis(model, stage, state);
+    const bool floats = model.cell.any() && stage.kind != StageKind::modes;
+    const StaticStage held = floats ? with_floating_held(model, stage, state, hooks) : stage;
+    StaticOutcome outcome = run_kind(model, held, std::move(state), keeping);
+    one_axis.tell_of_steps(stage, outcome.state, hooks);
+    return outcome;
   } catch (const NoEquilibrium&) {
     throw;
   } catch (const Interrupted&) {
