@@ -81,8 +81,7 @@ struct PackRun {
 struct DampedPower {
   static constexpr Loss causes[] = {Loss::damping_axial, Loss::damping_shear, Loss::damping_bending,
                                     Loss::damping_torsion, Loss::bond_damping};
-  /// In this order, and of each lane of the packs by itself: so bonds do not wait for each other's sum.
-  alignas(64) double of[std::size(causes)][pack_bonds]{};
+  alignas(64) double of[8]{};  ///< in this order; the rest is zero: a row as the kernel adds them
 };
 
 /// What the loop over bonds reads and writes besides the packs.

@@ -17,26 +17,22 @@ VBOND_HD void add_active(const Real& x, PackLanes in_use, std::size_t l, double&
   sum = all;
 }
 
-/// The same in each lane by itself.
-VBOND_HD void add_in_lanes(const Real& x, PackLanes in_use, std::size_t l, double (&sums)[pack_bonds]) {
-  if (in_use.active == all_lanes) return (Real::load(sums + l) + x).store(sums + l);
-  for (std::size_t k = 0; k < lanes; ++k)
-    if (in_use.has(l + k)) sums[l + k] += x.v[k];
-}
-
-/// What these damping loads take at these rates, in the order of DampedPower::causes.
+/// What these damping loads take at these rates, in the order of DampedPower::causes. Bond after bond: sums
+/// of each lane would depend on how many bonds had broken when the packs were made, as of a run that goes on.
 template <class L>
 VBOND_HD void add_powers(const L& law, const BondPose<Real>& b, const BondAxis<Real>& axis,
                          const BondRates<Real>& rates, const BondLoads<Real>& damping, PackLanes in_use,
                          std::size_t l, DampedPower& sum) {
   if constexpr (requires { damping_powers(law, b, axis, rates); }) {
     const DampingPowers<Real> taken = damping_powers(law, b, axis, rates);
-    add_in_lanes(taken.axial, in_use, l, sum.of[0]);
-    add_in_lanes(taken.shear, in_use, l, sum.of[1]);
-    add_in_lanes(taken.bending, in_use, l, sum.of[2]);
-    add_in_lanes(taken.torsion, in_use, l, sum.of[3]);
+    const Real zero(0.0);
+    Halves by_channel = {taken.axial, taken.shear, taken.bending, taken.torsion};
+    const Halves nothing = {zero, zero, zero, zero};
+    transpose_halves(by_channel);
+    for (std::size_t k = 0; k < lanes; ++k)
+      if (in_use.has(l + k)) add_row(by_channel, nothing, k, sum.of);
   } else {
-    add_in_lanes(power_taken(damping, rates), in_use, l, sum.of[4]);
+    add_active(power_taken(damping, rates), in_use, l, sum.of[4]);
   }
 }
 

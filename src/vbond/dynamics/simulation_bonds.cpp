@@ -308,7 +308,7 @@ void Simulation::share_damping(Losses& lost) const {
   Losses power;
   for (const DampedPower& of_block : damped_)
     for (std::size_t k = 0; k < std::size(DampedPower::causes); ++k)
-      for (const double of_lane : of_block.of[k]) power[DampedPower::causes[k]] += of_lane;
+      power[DampedPower::causes[k]] += of_block.of[k];
   double taken = lost[Loss::bond_damping];
   exchange_.sum(power.of);  // the shares are those of the whole body
   exchange_.sum({&taken, 1});
