@@ -273,7 +273,8 @@ TEST(CapsulesNear, ListsOfFibresDoNotGrowWithTheLargestBall) {
   EXPECT_EQ(pairs(thin, 0.08), pairs(with_ball, 0.08));
   const auto listed = [](const Specimen& s) {
     const Bodies bodies(s.model);
-    Capsules of(s.model, bodies, s.state.cell);
+    const Stage stage;
+    Capsules of(s.model, stage, bodies, s.state.cell);
     of.bonds_changed(s.state.bonds);
     of.refresh();
     return of.near_pairs();

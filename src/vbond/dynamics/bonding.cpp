@@ -42,7 +42,12 @@ Bond bond_between(const BondRecipe& recipe, const Model& model, const State& s, 
 
 Bonding::Bonding(const Model& model, const Stage& stage, const Order& order, const BondIndex& index,
                  const Exchange& exchange)
-    : model_(model), order_(order), exchange_(exchange), walls_(stage.walls), insist_(stage.insist) {
+    : model_(model),
+      order_(order),
+      exchange_(exchange),
+      walls_(stage.walls),
+      supports_(stage.supports),
+      insist_(stage.insist) {
   for (const BondingRule& rule : stage.bonding) {
     const auto keep = [&rule, &order, &index](Row i, Row* first, Row* last) {
       return std::remove_if(first, last, [&, p = order.particle[i]](Row j) {
@@ -67,7 +72,7 @@ Bonding::Bonding(const Model& model, const Stage& stage, const Order& order, con
 }
 
 void Bonding::check_step(const State& state) const {
-  const StepBound bound = step_bound(model_, state, {}, walls_);
+  const StepBound bound = step_bound(model_, state, {}, walls_, 1.0, supports_);
   if (insist_ || state.clock.dt <= bound.dt) return;
   throw Diverged(state.clock.step, state.clock.time(), "new bonds",
                  fmt::format("the time step {:.6g} is above the critical step {:.6g}, from {}",

@@ -65,6 +65,7 @@ class Bonding {
   const Order& order_;
   const Exchange& exchange_;
   const std::vector<WallDrive>& walls_;
+  const std::vector<Support>& supports_;
   const bool insist_;
   std::vector<RuleList> rules_;
 };

@@ -9,6 +9,7 @@
 #include "vbond/core/disjoint_sets.hpp"
 #include "vbond/core/images.hpp"
 #include "vbond/dynamics/contact_kernel.hpp"
+#include "vbond/physics/touch_mass.hpp"
 
 namespace vbond {
 namespace {
@@ -43,8 +44,9 @@ constexpr double same_side = 0.5;
 
 }  // namespace
 
-Capsules::Capsules(const Model& model, const Bodies& bodies, const CellEdges& cell)
+Capsules::Capsules(const Model& model, const Stage& stage, const Bodies& bodies, const CellEdges& cell)
     : model_(model),
+      stage_(stage),
       bodies_(bodies),
       cell_(cell),
       forms_(fibre_forms(model.contact)),
@@ -59,6 +61,7 @@ void Capsules::bonds_changed(const PerBond<Bond>& bonds) {
   any_ = any_capsules(model_.contact, bonds);
   listed_ = false;
   if (!any_) return;
+  masses_ = ContactMasses(model_, stage_.supports);
   fibres_ = FibreParts(model_, bonds);
   double sum = 0.0;  // as of other contacts: few large balls must not fill the lists of many thin fibres
   for (const FibrePart& p : fibres_.parts()) sum += p.R;
@@ -99,9 +102,11 @@ double Capsules::way_of_images() const {
 }
 
 Touching<double> Capsules::touching(const FibreContact& c) const {
-  return touching_of(model_, c, [this](const ImageOf& p) {
-    return MovingPoint{place(p), velocity(p), bodies_.motion[row(p.particle)].omega};
+  Touching<double> p = touching_of(model_, c, [this](const ImageOf& of) {
+    return MovingPoint{place(of), velocity(of), bodies_.motion[row(of.particle)].omega};
   });
+  p.m = 1.0 / (masses_.per_mass(c.a) + masses_.per_mass(c.b));
+  return undamped_if_none_is_free(p);
 }
 
 const TouchNumbers<double>& Capsules::numbers(const FibreContact& c) const {

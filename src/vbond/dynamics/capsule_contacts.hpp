@@ -10,6 +10,7 @@
 #include "vbond/dynamics/team.hpp"
 #include "vbond/dynamics/touch_kernel.hpp"
 #include "vbond/model/capsules.hpp"
+#include "vbond/model/contact_masses.hpp"
 #include "vbond/model/state.hpp"
 
 namespace vbond {
@@ -27,10 +28,11 @@ struct DeepCapsules {
 class Capsules {
  public:
   /// Keeps references to all. cell: its edges now; what images do follows from them and from particles.
-  Capsules(const Model& model, const Bodies& bodies, const CellEdges& cell);
-  Capsules(const Model&&, const Bodies&, const CellEdges&) = delete;
-  Capsules(const Model&, const Bodies&&, const CellEdges&) = delete;
-  Capsules(const Model&, const Bodies&, const CellEdges&&) = delete;
+  Capsules(const Model& model, const Stage& stage, const Bodies& bodies, const CellEdges& cell);
+  Capsules(const Model&&, const Stage&, const Bodies&, const CellEdges&) = delete;
+  Capsules(const Model&, const Stage&&, const Bodies&, const CellEdges&) = delete;
+  Capsules(const Model&, const Stage&, const Bodies&&, const CellEdges&) = delete;
+  Capsules(const Model&, const Stage&, const Bodies&, const CellEdges&&) = delete;
 
   bool any() const { return any_; }
   /// The bonds are these now; refresh() and work_out() come next.
@@ -102,11 +104,13 @@ class Capsules {
   DeepCapsules told(std::uint32_t first, std::uint32_t second, double overlap, double radius) const;
 
   const Model& model_;
+  const Stage& stage_;
   const Bodies& bodies_;
   const CellEdges& cell_;
   TouchForms forms_;
   std::uint32_t materials_ = 1;
   std::vector<TouchNumbers<double>> numbers_;  // of each pair of materials
+  ContactMasses masses_;                       // if there are any
   FibreParts fibres_;
   bool any_ = false, listed_ = false, deep_ = false;
   double skin_ = 0, room_ = 0;  // no particle has moved half the skin before one has moved so far  [length]

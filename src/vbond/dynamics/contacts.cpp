@@ -19,7 +19,8 @@ ContactRule rule_of(const ContactModel& contact, const PerParticle<double>& all,
 
 }  // namespace
 
-Contacts::Contacts(const Model& model, const Order& order, const BondIndex& index, const StepKernel& kernel)
+Contacts::Contacts(const Model& model, const Order& order, const BondIndex& index, const StepKernel& kernel,
+                   const std::vector<Support>& supports)
     : model_(model), order_(order), index_(index), kernel_(kernel) {
   if (!particles_touch(model.contact) || model.particles() == 0) return;
   for (Row k{0}; k.value < order.known; ++k.value) radius_.push_back(model.radius[order.particle[k]]);
@@ -28,7 +29,7 @@ Contacts::Contacts(const Model& model, const Order& order, const BondIndex& inde
   if (is_elastic(model.contact, model.materials))
     rule_ = rule_of(model.contact, model.radius, radius_);
   else
-    touches_.emplace(model, order, kernel);
+    touches_.emplace(model, ContactMasses(model, supports), order, kernel);
 
   const auto keep = [&order, &index, unbonded = model.contact.pairs == ContactPairs::unbonded](
                         Row i, Row* first, Row* last) {

@@ -12,6 +12,7 @@
 #include "vbond/dynamics/order.hpp"
 #include "vbond/dynamics/touch_pairs.hpp"
 #include "vbond/model/model.hpp"
+#include "vbond/model/stage.hpp"
 #include "vbond/physics/hertz.hpp"
 
 namespace vbond {
@@ -19,9 +20,9 @@ namespace vbond {
 /// Repulsion between overlapping particles, over a neighbour list of its own.
 class Contacts {
  public:
-  /// Keeps references to all three; `index` is asked at a rebuild, so it may be replaced in place.
+  /// Keeps references to all but supports; `index` is asked at a rebuild, so it may be replaced in place.
   Contacts(const Model& model, const Order& order, const BondIndex& index,
-           const StepKernel& kernel = step_kernel());
+           const StepKernel& kernel = step_kernel(), const std::vector<Support>& supports = {});
   Contacts(const Model&&, const Order&, const BondIndex&) = delete;
   Contacts(const Model&, const Order&&, const BondIndex&) = delete;
   Contacts(const Model&, const Order&, const BondIndex&&) = delete;

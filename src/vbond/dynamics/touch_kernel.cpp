@@ -5,6 +5,7 @@
 #include "vbond/dynamics/contact_kernel.hpp"
 #include "vbond/dynamics/kernel_rows.hpp"
 #include "vbond/physics/touch.hpp"
+#include "vbond/physics/touch_mass.hpp"
 
 namespace vbond::VBOND_KERNEL {
 namespace {
@@ -120,9 +121,9 @@ VBOND_HD void work_out(const TouchRule& rule, const TouchTable& table, Together&
   load_quads(rule.row, t.i, Half::first, row_i);
   load_quads(rule.row, t.j, Half::first, row_j);
 
-  Touching<Real> p =
-      round_bodies<Real>(vector(r_ij), {row_i[0], row_i[1], row_i[2]}, {row_j[0], row_j[1], row_j[2]},
-                         vector(v_j), vector(w_i), vector(w_j));
+  Touching<Real> p = undamped_if_none_is_free(round_bodies<Real>(vector(r_ij), {row_i[0], row_i[1], row_i[2]},
+                                                                 {row_j[0], row_j[1], row_j[2]}, vector(v_j),
+                                                                 vector(w_i), vector(w_j)));
   if (table.kept != nullptr) {
     double of[lanes];
     for (std::size_t l = 0; l < lanes; ++l) of[l] = table.kept[t.pair[l]];

@@ -11,7 +11,7 @@ namespace vbond {
 /// What contacts ask of a particle.
 struct alignas(32) TouchRow {
   double R = 0;          ///< [length]
-  double per_m = 0;      ///< [1/mass]
+  double per_m = 0;      ///< of ContactMasses  [1/mass]
   double per_Theta = 0;  ///< [1/(mass*length^2)]
   double unused = 0;
 };

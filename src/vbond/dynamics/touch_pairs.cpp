@@ -4,12 +4,15 @@
 #include <numeric>
 #include <utility>
 
+#include "vbond/physics/touch_mass.hpp"
+
 namespace vbond {
 
 Touching<double> touching_of(const TouchRow& i, const TouchRow& j, const Vec3d& r_ij, const MotionRow& of_i,
                              const MotionRow& of_j) {
-  return round_bodies<double>(r_ij, {i.R, i.per_m, i.per_Theta}, {j.R, j.per_m, j.per_Theta}, of_j.v - of_i.v,
-                              of_i.omega, of_j.omega);
+  return undamped_if_none_is_free(round_bodies<double>(r_ij, {i.R, i.per_m, i.per_Theta},
+                                                       {j.R, j.per_m, j.per_Theta}, of_j.v - of_i.v,
+                                                       of_i.omega, of_j.omega));
 }
 
 TouchHistory<double> touch_history(const SlipRow& slip, const MomentRow& rolling) {
@@ -39,7 +42,8 @@ TouchLosses<double> lost_on_parting(const TouchForms& forms, const TouchNumbers<
   return lost;
 }
 
-TouchPairs::TouchPairs(const Model& model, const Order& order, const StepKernel& kernel)
+TouchPairs::TouchPairs(const Model& model, const ContactMasses& masses, const Order& order,
+                       const StepKernel& kernel)
     : order_(order),
       kernel_(kernel),
       forms_(touch_forms(model.contact)),
@@ -50,7 +54,7 @@ TouchPairs::TouchPairs(const Model& model, const Order& order, const StepKernel&
   for (const double R : model.radius) R_max = std::max(R_max, R);
   for (Row k{0}; k.value < order.known; ++k.value) {
     const ParticleId p = order.particle[k];
-    row_.push_back({model.radius[p], 1.0 / model.mass[p], 1.0 / model.inertia[p]});
+    row_.push_back({model.radius[p], 1.0 / masses.of(p), 1.0 / model.inertia[p]});
     if (model.materials.size() > 1) material_.push_back(model.material_of(p));
   }
   materials_ = std::max<std::uint32_t>(1, static_cast<std::uint32_t>(model.materials.size()));

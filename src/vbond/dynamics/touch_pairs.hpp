@@ -7,6 +7,7 @@
 #include "vbond/dynamics/kernel.hpp"
 #include "vbond/dynamics/neighbours.hpp"
 #include "vbond/dynamics/team.hpp"
+#include "vbond/model/contact_masses.hpp"
 #include "vbond/model/model.hpp"
 
 namespace vbond {
@@ -16,10 +17,9 @@ namespace vbond {
 /// of the other row: the bits do not depend on how rows are shared out.
 class TouchPairs {
  public:
-  /// Keeps references to both.
-  TouchPairs(const Model& model, const Order& order, const StepKernel& kernel);
-  TouchPairs(const Model&&, const Order&, const StepKernel&) = delete;
-  TouchPairs(const Model&, const Order&&, const StepKernel&) = delete;
+  /// Keeps references to order and kernel.
+  TouchPairs(const Model& model, const ContactMasses& masses, const Order& order, const StepKernel& kernel);
+  TouchPairs(const Model&, const ContactMasses&, const Order&&, const StepKernel&) = delete;
 
   /// The bond of two that overlap has broken, and contacts keep such overlaps.
   void keep_overlap(Row i, Row j, double overlap);

@@ -6,6 +6,7 @@
 
 #include "vbond/core/bounding_box.hpp"
 #include "vbond/model/capsules.hpp"
+#include "vbond/model/contact_masses.hpp"
 #include "vbond/model/touching.hpp"
 #include "vbond/physics/bond_step.hpp"
 #include "vbond/terms/walls/wall_touch.hpp"
@@ -175,7 +176,8 @@ std::string ContactBound::source(const Model& model) const {
 }
 
 ContactBound contact_bound(const Model& model, const State& state, const std::vector<WallDrive>& drives,
-                           const std::vector<BondingRule>& rules, double to_come) {
+                           const std::vector<BondingRule>& rules, double to_come,
+                           const std::vector<Support>& supports) {
   if (model.contact.law == ContactLaw::none || model.particles() == 0) return {};
   const PerParticle<double> radius = touched_radii(model, state, rules);
   const double R_max = *std::max_element(radius.begin(), radius.end());
@@ -187,11 +189,14 @@ ContactBound contact_bound(const Model& model, const State& state, const std::ve
   share_masses(model, state, drives, walls);
 
   const TouchForms forms = touch_forms(model.contact);
+  const ContactMasses masses(model, supports);
   ContactBound largest;
   const auto look_at = [&](ParticleId p, const PossibleTouch& t, double n, double overlap) {
     const double R = radius[p], m = model.mass[p], per_m = 2.0 / m, per_Theta = 2.0 / model.inertia[p];
     const double R_pair = t.wall ? radius_at_wall(model.walls[*t.wall].shape, R) : R * R_max / (R + R_max);
-    const ContactSlopes s = contact_slopes(forms, t.numbers, R_pair, m, overlap);
+    // against what moves as prescribed it is the other one's damping that counts
+    const double damps = std::isinf(masses.of(p)) ? m : masses.of(p);
+    const ContactSlopes s = contact_slopes(forms, t.numbers, R_pair, damps, overlap);
     const auto lambda = [&](double share_of_wall, bool damped) {  // of each of the particle's n contacts
       const double along = n * per_m + share_of_wall, across = along + n * sq(R) * per_Theta;
       const double c_t = s.tangential > 0.0 ? t.numbers.tangential_damping : 0.0;

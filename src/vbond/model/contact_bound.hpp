@@ -21,8 +21,10 @@ struct ContactBound {
 };
 
 /// docs/contacts.md has the formulas. to_come: so many contacts a particle is taken to have at least.
+/// supports: of the stage, for the masses by which contacts damp.
 ContactBound contact_bound(const Model& model, const State& state, const std::vector<WallDrive>& drives,
-                           const std::vector<BondingRule>& rules = {}, double to_come = 1.0);
+                           const std::vector<BondingRule>& rules = {}, double to_come = 1.0,
+                           const std::vector<Support>& supports = {});
 /// Of a particle in a random heap of equal spheres, on average (isostatic: twice three).
 inline constexpr double contacts_in_a_heap = 6.0;
 

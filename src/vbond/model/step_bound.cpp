@@ -151,12 +151,13 @@ double lambda_of_rule(const Model& model, const BondingRule& rule, std::string& 
 }  // namespace
 
 StepBound step_bound(const Model& model, const State& state, const std::vector<BondingRule>& rules,
-                     const std::vector<WallDrive>& drives, double contacts_to_come) {
+                     const std::vector<WallDrive>& drives, double contacts_to_come,
+                     const std::vector<Support>& supports) {
   if (!state.waiting.empty() && !model.sources.empty()) {  // bodies bring bonds along
     State with_all = with_bonds_to_come(model, state);
     with_all.waiting.clear();
     with_all.dropped = absent(state);
-    return step_bound(model, with_all, rules, drives, contacts_to_come);
+    return step_bound(model, with_all, rules, drives, contacts_to_come, supports);
   }
   Largest largest = largest_of_bonds(model, state, bonds_of_particles(model, state, rules));
   for (const BondingRule& rule : rules) {
@@ -165,7 +166,7 @@ StepBound step_bound(const Model& model, const State& state, const std::vector<B
     if (!(lambda <= largest.lambda))
       largest = {lambda, std::nullopt, {}, motion + " of a bond that \"" + rule.name + "\" may still make"};
   }
-  const ContactBound contact = contact_bound(model, state, drives, rules, contacts_to_come);
+  const ContactBound contact = contact_bound(model, state, drives, rules, contacts_to_come, supports);
   if (contact.lambda > 0.0) {
     const std::string source = contact.source(model);
     if (contact.lambda > largest.lambda) largest.bond.reset();
@@ -180,9 +181,9 @@ StepBound step_bound(const Model& model, const State& state, const std::vector<B
 }
 
 StepBound step_bound(const Model& model, const State& state, const Stage& stage, Spins spins) {
-  StepBound bound = step_bound(model, state, stage.bonding, stage.walls);
+  StepBound bound = step_bound(model, state, stage.bonding, stage.walls, 1.0, stage.supports);
   const auto take_up = [&](const State& extreme) {
-    StepBound then = step_bound(model, extreme, stage.bonding, stage.walls);
+    StepBound then = step_bound(model, extreme, stage.bonding, stage.walls, 1.0, stage.supports);
     if (then.dt < bound.dt) bound = std::move(then);
   };
   Terms::for_each([&]<class T>(T) { T::for_extremes(state, stage, take_up); });

@@ -26,9 +26,11 @@ struct StepBound {
 /// the radii, or as many as it has now, with the largest overlap of these (contact_bound.hpp); their lambda
 /// is added to that of the bonds. Bonding rules: particles that a rule can bond count as having at least 12
 /// bonds, and a bond as long as the rule's distance between the lightest of them is included.
+/// supports: of the stage; contacts of clumps and of what is held are damped by other masses.
 StepBound step_bound(const Model& model, const State& state, const std::vector<BondingRule>& rules = {},
-                     const std::vector<WallDrive>& drives = {}, double contacts_to_come = 1.0);
-/// With the bonding rules and terms of a stage, and no more than turns may take (within_turns).
+                     const std::vector<WallDrive>& drives = {}, double contacts_to_come = 1.0,
+                     const std::vector<Support>& supports = {});
+/// With the supports, bonding rules and terms of a stage, and no more than turns may take (within_turns).
 StepBound step_bound(const Model& model, const State& state, const Stage& stage,
                      Spins spins = Spins::counted);
 

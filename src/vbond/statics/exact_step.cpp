@@ -37,7 +37,7 @@ double exact_critical_step(const Model& model, const State& state, const std::ve
   const double elastic = lambda > 0.0 ? critical_step(lambda) : nothing_swings;
   const bool damped = std::any_of(state.bonds.begin(), state.bonds.end(),
                                   [](const Bond& b) { return !b.broken && is_damped(b); });
-  return damped ? std::min(elastic, step_bound(model, state).dt) : elastic;
+  return damped ? std::min(elastic, step_bound(model, state, {}, {}, 1.0, supports).dt) : elastic;
 }
 
 }  // namespace vbond

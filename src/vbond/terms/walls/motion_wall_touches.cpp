@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "vbond/model/contact_bound.hpp"
+#include "vbond/physics/touch_mass.hpp"
 #include "vbond/terms/walls/motion_walls.hpp"
 
 namespace vbond {
@@ -42,20 +43,21 @@ const TouchNumbers<double>& MotionWalls::numbers(const Near& near) const {
 
 Touching<double> MotionWalls::touching(const Near& near, const WallTouch& touch) const {
   const std::size_t k = near.row;
-  const double R = model_.radius[bodies_.order.particle[Row{k}]];
+  const ParticleId particle = bodies_.order.particle[Row{k}];
+  const double R = model_.radius[particle];
   const WallState& wall = walls_[near.wall];
   const MotionRow& motion = bodies_.motion[k];
   Touching<double> p{};
   p.n = -rotate(wall.q, touch.normal);
   p.overlap = R - touch.distance;
   p.R = effective_radius(R, touch);
-  p.m = bodies_.mass[k];
+  p.m = masses_.of(particle);
   p.Theta = bodies_.inertia[k];
   p.l_i = touch.distance;
   p.v = velocity_at(near.wall, bodies_.pose[k].r + touch.distance * p.n) - motion.v;
   p.w_i = motion.omega;
   p.w_j = wall.angular_velocity;
-  return p;
+  return undamped_if_none_is_free(p);
 }
 
 TouchLosses<double> MotionWalls::add_touches(OfBlock& block, Near& near, LoadRow& load, double dt) {

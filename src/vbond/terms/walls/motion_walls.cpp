@@ -34,6 +34,7 @@ MotionWalls::MotionWalls(const BodyInMotion& on)
         reach_ = std::max(reach_, reach_of_adhesion(n.stiffness, n.work, R_max));
     }
   }
+  masses_ = ContactMasses(model_, on.stage.supports);
   skin_ = 0.4 * R_max;
   blocks_.resize(on.team.blocks());
   for (OfBlock& b : blocks_)

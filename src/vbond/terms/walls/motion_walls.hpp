@@ -4,6 +4,7 @@
 
 #include "vbond/dynamics/motion_term.hpp"
 #include "vbond/dynamics/touch_kernel.hpp"
+#include "vbond/model/contact_masses.hpp"
 #include "vbond/terms/walls/term_walls.hpp"
 #include "vbond/terms/walls/wall_touch.hpp"
 
@@ -122,6 +123,7 @@ class MotionWalls final : public MotionTerm {
   const BodyInMotion on_;
   const Model& model_;
   const Bodies& bodies_;
+  ContactMasses masses_;
   std::vector<const WallDrive*> drive_;  // of each wall, or nullptr
   std::vector<WallState> walls_;
   std::vector<WallSurface> surfaces_;
