@@ -300,5 +300,39 @@ TEST(FreeGrip, MistakesAreNamed) {
   EXPECT_NE(refusal(g).find("holds one turn"), std::string::npos);
 }
 
+// What a face of the cell cuts has arms as long as the cell: it may go along, and not turn.
+TEST(FreeGrip, DoesNotTurnWhatBondsJoinThroughAFace) {
+  const auto refusal = [](double x, const Support& support, std::int64_t stage_step) -> std::string {
+    Specimen s = testing::particles_at({{1, 0, 0}, {x, 0, 0}});
+    s.model.cell.edges = {Vec3d{6, 0, 0}, {0, 6, 0}, {0, 0, 6}};
+    s.model.cell.periodic = {true, true, true};
+    s.state = at_rest(s.model);
+    const Image image{x > 3.0 ? -1 : 0, 0, 0};
+    BondRecipe recipe;
+    recipe.parameters = BondStiffness<double>{1.0, 0.3, 0.1, 0.1};
+    s.state.bonds.push_back(*make_bond(recipe, bond_site(s.model, s.state, ParticleId{0}),
+                                       bond_site(s.model, s.state, ParticleId{1}, image)));
+    s.state.clock.stage_step = stage_step;
+    Stage stage = testing::plain_stage(0.05, 1.0);
+    stage.supports = {support};
+    try {
+      Simulation(s.model, stage, s.state);
+    } catch (const std::invalid_argument& e) {
+      return e.what();
+    }
+    return "";
+  };
+  const std::vector<ParticleId> both = {ParticleId{0}, ParticleId{1}};
+  Support turning = grip(both, all_held);
+  turning.angular_velocity = {0, 0, 1};
+  for (const Support& s : {grip(both, nothing), turning}) {
+    EXPECT_EQ(refusal(2.0, s, 0), "");
+    EXPECT_NE(refusal(6.0, s, 0).find("joins its particles 0 and 1 through a face of the cell"),
+              std::string::npos);
+    EXPECT_EQ(refusal(6.0, s, 1), "");  // goes on: the stage had such a body, or has bonded it since
+  }
+  for (const Support& s : {grip(both, all_but_z), grip(both, all_held)}) EXPECT_EQ(refusal(6.0, s, 0), "");
+}
+
 }  // namespace
 }  // namespace vbond::free_grips_test

@@ -195,8 +195,60 @@ TEST(Fragments, AreSortedByMassAndThenByTheirLowestParticle) {
   const Fragments g = find_fragments(chain.model, chain.state.bonds);
   const FragmentMotion m = motion_of(g, chain.model, chain.state);
   const auto k = static_cast<std::size_t>(g.number[ParticleId{1}]);
-  EXPECT_NEAR(m.centre[k].x, (0.5 * 1 + 1.0 * 2) / 1.5, 1e-15);
+  EXPECT_NEAR(m.centre[k]->x, (0.5 * 1 + 1.0 * 2) / 1.5, 1e-15);
   EXPECT_NEAR(m.velocity[k].y, 2.0 / 3.0, 1e-15);
+}
+
+/// A particle of mass 1 at each x in a cell of 6, each bonded to the image of the next that is `image` edges
+/// away.
+Chain chain_in_cell(const std::vector<double>& x, const std::vector<std::int32_t>& image) {
+  Chain chain = brittle_chain(std::vector<double>(image.size(), 1.0));
+  chain.model.cell.edges = {Vec3d{6, 0, 0}, {0, 6, 0}, {0, 0, 6}};
+  chain.model.cell.periodic = {true, true, true};
+  for (std::size_t k = 0; k < x.size(); ++k) chain.model.r_0[ParticleId{k}] = {x[k], 3, 3};
+  for (double& m : chain.model.mass) m = 1.0;
+  chain.state.r = chain.model.r_0;
+  chain.state.cell = cell_at_start(chain.model);
+  for (std::size_t k = 0; k < image.size(); ++k) chain.state.bonds[BondId{k}].image_j = {image[k], 0, 0};
+  return chain;
+}
+FragmentMotion motion_of(const Chain& chain) {
+  return vbond::motion_of(find_fragments(chain.model, chain.state.bonds), chain.model, chain.state);
+}
+
+// In a periodic cell a fragment is what its bonds join, wherever its particles stand, and moves with its
+// images.
+TEST(Fragments, CentreIsThatOfTheBodyThatAFaceCuts) {
+  Chain rod = chain_in_cell({5, 0, 1, 3}, {1, 0, 0});
+  rod.state.bonds[BondId{2}].broken = true;
+  rod.state.v[ParticleId{0}] = {0.3, 0, 0};
+  FragmentMotion m = motion_of(rod);
+  ASSERT_EQ(m.centre.size(), 2u);
+  EXPECT_NEAR(m.centre[0]->x, 6.0, 1e-14);  // 5, 6 and 7
+  EXPECT_NEAR(m.centre[0]->y, 3.0, 1e-14);
+  EXPECT_NEAR(m.velocity[0].x, 0.1, 1e-15);
+  EXPECT_NEAR(m.centre[1]->x, 3.0, 1e-14);
+  rod.state.cell[0].rate = {0.6, 0, 0};  // of the two images
+  EXPECT_NEAR(motion_of(rod).velocity[0].x, 0.1 + 0.4, 1e-15);
+}
+
+// What goes all through the cell has no centre.
+TEST(Fragments, WithoutEndHaveNoCentre) {
+  const Folder folder;
+  Chain ring = chain_in_cell({0, 2, 4, 1}, {0, 0, 0});
+  ring.state.bonds[BondId{2}].j = ParticleId{0}, ring.state.bonds[BondId{2}].image_j = {1, 0, 0};
+  ring.state.v[ParticleId{0}] = {0.3, 0, 0};
+  ring.state.cell[0].rate = {0.6, 0, 0};
+  const FragmentMotion m = motion_of(ring);
+  ASSERT_EQ(m.centre.size(), 2u);
+  EXPECT_FALSE(m.centre[0]);
+  EXPECT_NEAR(m.velocity[0].x, 0.1, 1e-15);
+  EXPECT_EQ(m.centre[1], (Vec3d{1, 3, 3}));
+  FragmentsWriter(plan_in(folder), {}).write(ring.model, ring.state, 0);
+  const std::string text = content_of(folder / "fragments.csv");
+  EXPECT_EQ(cell(text, 1, "x"), "");
+  EXPECT_EQ(number(text, 1, "particles"), 3.0);
+  EXPECT_EQ(number(text, 2, "x"), 1.0);
 }
 
 TEST(Fragments, RowsOfTheStageThatIsGoneOnWithAreDropped) {

@@ -191,5 +191,76 @@ TEST(CaseCell, RefusesTwoParticlesAtOnePlaceThroughAFace) {
   EXPECT_TRUE(contains(text, "at the same place")) << text;
 }
 
+// ---- what turns as one body ---------------------------------------------------------------------------
+
+/// A rod of three along x in a cell of 6, and what is refused of it as its first stage begins.
+std::string refusal(const std::string& positions, const std::string& more, const std::string& bonds = "") {
+  const std::string text =
+      "[cell]\na = [6, 0, 0]\nb = [0, 6, 0]\nc = [0, 0, 6]\n[[specimen]]\nname = \"rod\"\nkind = \"list\"\n"
+      "positions = " +
+      positions +
+      "\nmass = 1.0\nradius = 0.4\n[[bonds]]\nname = \"b\"\ndistance = 1.1\n"
+      "stiffness = { c_A = 1.0, c_D = 0.3, c_B = 0.1, c_T = 0.1 }\n" +
+      bonds + more;
+  try {
+    const Case c = parse_case(text, "case.toml");
+    Built b = build(c);
+    for (std::size_t k = 0; k < c.stages.size(); ++k)
+      if (is_static(c.stages[k].kind))
+        build_static_stage(c, b.model, static_cast<int>(k), b.state);
+      else
+        build_stage(c, b.model, static_cast<int>(k), b.state);
+  } catch (const CaseError& e) {
+    return e.what();
+  }
+  return "";
+}
+const std::string whole = "[[2, 3, 3], [3, 3, 3], [4, 3, 3]]", cut = "[[5, 3, 3], [6, 3, 3], [7, 3, 3]]",
+                  in_pieces = "[[5, 3, 3], [0, 3, 3], [1, 3, 3]]";  // as the case itself says
+
+TEST(CaseCell, RefusesToTurnWhatAFaceCuts) {
+  const std::string stage = "[[stage]]\nname = \"s\"\nduration = 1.0\n",
+                    rest = "[[stage]]\nname = \"s\"\nkind = \"equilibrium\"\n";
+  const auto support = [](const std::string& keys) {
+    return "supports = [{group = \"rod\", rigid = true" + keys + "}]\n";
+  };
+  const std::string velocities = "[[velocities]]\nkind = \"rigid\"\n";
+  const std::vector<std::string> turning = {velocities + "angular_velocity = [0, 0, 1]\n" + stage,
+                                            stage + support(", angular_velocity = [0, 0, 1]"),
+                                            stage + support(", fix = []"),
+                                            stage + support(", fix = [\"x\", \"y\", \"z\", \"rx\", \"rz\"]"),
+                                            rest + support(", rotation = [0, 0, 0.1]"),
+                                            rest + support(", fix = [\"x\", \"y\", \"z\"]")};
+  for (const std::string& t : turning) {
+    EXPECT_EQ(refusal(whole, t), "");
+    const std::string of_cut = refusal(cut, t), of_pieces = refusal(in_pieces, t);
+    EXPECT_TRUE(contains(of_cut, "a face of the cell cuts specimen \"rod\"")) << t << of_cut;
+    EXPECT_TRUE(contains(of_pieces, "a bond joins its particles 0 and 1 through a face of the cell"))
+        << t << of_pieces;
+    EXPECT_TRUE(contains(of_pieces, "case.toml:1")) << of_pieces;
+    EXPECT_TRUE(contains(of_pieces, "move the body or cell.corner")) << of_pieces;
+  }
+  const std::vector<std::string> straight = {velocities + "velocity = [0, 0, 1]\n" + stage,
+                                             stage + support(""), stage + support(", velocity = [0, 0, 1]"),
+                                             stage + support(", fix = [\"x\", \"rx\", \"ry\", \"rz\"]"),
+                                             rest + support(", displacement = [0, 0, 0.1]")};
+  for (const std::string& t : straight)
+    for (const std::string& positions : {cut, in_pieces}) EXPECT_EQ(refusal(positions, t), "") << t;
+}
+
+// Bonds that the stage makes count as well; without any, what stands in pieces as the case says is meant so.
+TEST(CaseCell, RefusesToTurnWhatAStageBondsThroughAFace) {
+  const std::string first = "[[stage]]\nname = \"first\"\nduration = 1.0\n",
+                    turn =
+                        "[[stage]]\nname = \"turn\"\nduration = 1.0\nsupports = [{group = \"rod\", rigid = "
+                        "true, fix = []}]\n";
+  const auto made_in = [](const std::string& name) {
+    return "when = \"stage\"\nstages = [\"" + name + "\"]\n";
+  };
+  EXPECT_TRUE(
+      contains(refusal(in_pieces, first + turn, made_in("turn")), "stage \"turn\": the rigid support"));
+  EXPECT_EQ(refusal(in_pieces, turn + first, made_in("first")), "");
+}
+
 }  // namespace case_cell_tests
 }  // namespace vbond::test

@@ -22,6 +22,10 @@ std::vector<std::string> mistakes_in_values(const Model& model, const State& sta
 std::vector<std::string> mistakes_in(const Model& model, const Stage& stage);
 std::vector<std::string> mistakes_in(const Model& model, const StaticStage& stage);
 
+/// What these supports cannot do with a state as a stage begins; none for a stage under way. Of a state
+/// without mistakes.
+std::vector<std::string> mistakes_in(const std::vector<Support>& supports, const State& state);
+
 /// Throws std::invalid_argument with all of them, a line each, after `who`; does nothing without any.
 void refuse(const std::string& who, const std::vector<std::string>& mistakes);
 
@@ -33,6 +37,7 @@ void require_consistent(const std::string& who, const Model& model, const AnySta
   std::vector<std::string> mistakes = mistakes_in(model, state);
   for (std::string& m : mistakes_in(model, stage)) mistakes.push_back(std::move(m));
   refuse(who, mistakes);
+  refuse(who, mistakes_in(stage.supports, state));
 }
 
 }  // namespace vbond

@@ -10,6 +10,7 @@
 #include "vbond/model/make_bond.hpp"
 #include "vbond/model/mistakes.hpp"
 #include "vbond/model/periodic_cell.hpp"
+#include "vbond/model/torn.hpp"
 #include "vbond/terms/detail/term_mistakes.hpp"
 
 namespace vbond {
@@ -246,6 +247,18 @@ std::vector<std::string> mistakes_in(const Model& model, const Stage& stage) {
   look_at_passage(model, stage, found);
   look_at_stops(stage.stops, model.walls.size(), found);
   return std::move(found).take();
+}
+
+std::vector<std::string> mistakes_in(const std::vector<Support>& supports, const State& state) {
+  std::vector<std::string> found;
+  if (state.cell.empty() || state.clock.stage_step != 0) return found;
+  for (const Support& s : supports)
+    if (const Bond* b = turns_as_one(s) ? bond_through_face(state, s.particles) : nullptr)
+      found.push_back(
+          fmt::format("{} is rigid and turns, and a bond joins its particles {} and {} through a face of the "
+                      "cell: {}; {}",
+                      who("a support", s), b->i.value, b->j.value, torn_rule, way_out_of_torn));
+  return found;
 }
 
 std::vector<std::string> mistakes_in(const Model& model, const StaticStage& stage) {

@@ -47,15 +47,58 @@ FragmentCount count_fragments(const Model& model, const PerBond<Bond>& bonds,
   return {static_cast<std::int64_t>(all.size()), all.empty() ? 0.0 : all.front().mass / mass};
 }
 
+namespace {
+
+/// Which image of each particle stands with the lowest one of its fragment, as bonds join them; and the
+/// fragments of which no such images agree.
+struct Whole {
+  PerParticle<Image> image;
+  std::vector<char> endless;
+};
+
+Whole along_bonds(const Fragments& fragments, const State& s) {
+  Whole whole{PerParticle<Image>(s.r.size()), std::vector<char>(fragments.all.size(), 0)};
+  if (s.cell.empty()) return whole;
+  PerParticle<std::vector<ImageOf>> joined(s.r.size());
+  for (const Bond& b : s.bonds)
+    if (!has_failed(b)) joined[b.i].push_back({b.j, b.image_j}), joined[b.j].push_back({b.i, -b.image_j});
+  PerParticle<char> seen(s.r.size(), 0);
+  for (std::size_t k = 0; k < fragments.all.size(); ++k) {
+    std::vector<ParticleId> next{fragments.all[k].lowest};
+    seen[next.back()] = 1;
+    while (!next.empty()) {
+      const ParticleId p = next.back();
+      next.pop_back();
+      for (const ImageOf& o : joined[p]) {
+        const Image n = whole.image[p] + o.image;
+        if (seen[o.particle]) {
+          if (whole.image[o.particle] != n) whole.endless[k] = 1;
+          continue;
+        }
+        seen[o.particle] = 1, whole.image[o.particle] = n;
+        next.push_back(o.particle);
+      }
+    }
+  }
+  return whole;
+}
+
+}  // namespace
+
 FragmentMotion motion_of(const Fragments& fragments, const Model& model, const State& state) {
-  FragmentMotion of{std::vector<Vec3d>(fragments.all.size()), std::vector<Vec3d>(fragments.all.size())};
+  const std::size_t n = fragments.all.size();
+  FragmentMotion of{std::vector<std::optional<Vec3d>>(n, Vec3d{}), std::vector<Vec3d>(n)};
+  const Whole whole = along_bonds(fragments, state);
   for (const ParticleId p : model.mass.ids()) {
     if (fragments.number[p] < 0) continue;
     const auto k = static_cast<std::size_t>(fragments.number[p]);
     const double share = model.mass[p] / fragments.all[k].mass;
-    of.centre[k] += share * state.r[p];
-    of.velocity[k] += share * state.v[p];
+    const Image image = whole.endless[k] ? Image{} : whole.image[p];
+    *of.centre[k] += share * place_of(state.r, state.cell, {p, image});
+    of.velocity[k] += share * (state.v[p] + image_velocity(state.cell, image));
   }
+  for (std::size_t k = 0; k < n; ++k)
+    if (whole.endless[k]) of.centre[k].reset();
   return of;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "vbond/core/column.hpp"
@@ -33,9 +34,12 @@ struct FragmentCount {
 FragmentCount count_fragments(const Model& model, const PerBond<Bond>& bonds,
                               const std::vector<ParticleId>& without = {});
 
-/// Centres of mass and their velocities, one of each for each fragment.  [length], [length/time]
+/// Centres of mass and their velocities, one of each for each fragment, each as a whole: with the images that
+/// bonds join, from where its lowest particle stands. No centre: it goes all through a periodic cell, and its
+/// velocity is that of its particles.  [length], [length/time]
 struct FragmentMotion {
-  std::vector<Vec3d> centre, velocity;
+  std::vector<std::optional<Vec3d>> centre;
+  std::vector<Vec3d> velocity;
 };
 FragmentMotion motion_of(const Fragments& fragments, const Model& model, const State& state);
 

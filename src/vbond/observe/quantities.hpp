@@ -99,7 +99,8 @@ struct FragmentView {
   const Clock& clock;
   std::int64_t stage, number;
   const Fragment& fragment;
-  Vec3d centre, velocity;  ///< [length], [length/time]
+  std::optional<Vec3d> centre;  ///< [length]
+  Vec3d velocity;               ///< [length/time]
 };
 
 /// A column of breaks.csv or fragments.csv.

@@ -35,6 +35,9 @@ class GivenStages : public Stages {
       mistakes.push_back(
           fmt::format("dt is {}, and the state is under way in this stage with dt = {}: a step is kept",
                       dynamics->dt, state.clock.dt));
+    if (mistakes.empty())
+      mistakes = std::visit([&state](const auto& stage) { return mistakes_in(stage.supports, state); },
+                            stages_.at(k));
     if (dynamics && mistakes.empty() && !goes_on) look_at_step(*dynamics, model, state, mistakes);
     refuse(who(k), mistakes);
     return stages_[k];

@@ -230,6 +230,7 @@ Built build(const Case& c, int threads) {
   for (const Source& source : model.sources) check_overlaps(c, built, body_alone(built, source), problems);
   model.T_0 = natural_time(c, built, problems);
   add_velocities(c, model, state, problems);
+  check_turned_pieces(c, specimens, built, problems);
   check_stages(c, model, problems);
   check_output(c, model, problems);
   check_case_of_sources(c, problems);

@@ -11,7 +11,9 @@
 
 #include "vbond/case/names.hpp"
 #include "vbond/core/images.hpp"
+#include "vbond/model/passage.hpp"
 #include "vbond/model/periodic_cell.hpp"
+#include "vbond/model/torn.hpp"
 
 namespace vbond {
 namespace {
@@ -161,6 +163,78 @@ void add_cell(const Case& c, const std::vector<PlacedSpecimen>& specimens, Built
   }
   note_fit(c, built);
   note_other_boxes(specimens, built);
+}
+
+namespace {
+
+/// Whether members of the group that one specimen has made stand apart by more or less than where it made
+/// them.
+const SpecimenSpec* specimen_in_pieces(const Group& group, const std::vector<PlacedSpecimen>& specimens,
+                                       const Model& model) {
+  std::vector<std::optional<Vec3d>> brought(specimens.size());
+  for (const ParticleId p : group.particles) {
+    if (comes_in(model, p)) continue;
+    const PlacedSpecimen& s = specimens[model.specimen[p]];
+    const Vec3d by = between(s.points.r[p.value - s.first], model.r_0[p]);
+    std::optional<Vec3d>& first = brought[model.specimen[p]];
+    if (!first) first = by;
+    constexpr double rounding = 1e-6;  // of an edge
+    for (const Vec3d& edge : model.cell.edges)
+      if (std::abs(dot(by - *first, edge)) > rounding * norm2(edge)) return s.spec;
+  }
+  return nullptr;
+}
+
+void refuse_torn(const SourcePlace& place, const std::string& who, const std::string& how,
+                 Problems& problems) {
+  problems.add(place, fmt::format("{}, and {}", who, how), torn_rule, way_out_of_torn);
+}
+std::string in_words(const Bond& b) {
+  return fmt::format("a bond joins its particles {} and {} through a face of the cell", b.i.value, b.j.value);
+}
+std::string in_words(const SpecimenSpec& cut) {
+  return fmt::format("a face of the cell cuts specimen \"{}\"", cut.name);
+}
+std::string turning(const StageSpec& stage, const SupportSpec& s) {
+  return fmt::format("stage \"{}\": the rigid support of group \"{}\" turns it, or lets it turn", stage.name,
+                     s.group.value);
+}
+
+}  // namespace
+
+void check_turned_pieces(const Case& c, const std::vector<PlacedSpecimen>& specimens, const Built& built,
+                         Problems& problems) {
+  if (!c.cell) return;
+  const auto group = [&](const Placed<std::string>& name) {
+    const Group* known = built.model.find_group(name.value);
+    return known == nullptr ? Group{} : *known;
+  };
+  for (const VelocitySpec& v : c.velocities) {
+    if (v.kind != VelocityKind::rigid || v.angular_velocity == Vec3d{}) continue;
+    const Group turned = group(v.group);
+    const std::string who = fmt::format("velocities of kind \"rigid\" turn group \"{}\"", v.group.value);
+    if (const SpecimenSpec* cut = specimen_in_pieces(turned, specimens, built.model))
+      refuse_torn(v.place, who, in_words(*cut), problems);
+    else if (const Bond* b = bond_through_face(built.state, turned.particles))
+      refuse_torn(v.place, who, in_words(*b), problems);
+  }
+  for (const StageSpec& stage : c.stages)
+    for (const SupportSpec& s : stage.supports) {
+      Support turns;
+      turns.rigid = s.rigid, turns.held = directions_of(s).held;
+      turns.angular_velocity = is_static(stage.kind) ? s.rotation : s.angular_velocity;
+      if (!turns_as_one(turns)) continue;
+      if (const SpecimenSpec* cut = specimen_in_pieces(group(s.group), specimens, built.model))
+        refuse_torn(s.place, turning(stage, s), in_words(*cut), problems);
+    }
+}
+
+void refuse_turned_through_face(const StageSpec& spec, const std::vector<Support>& supports,
+                                const State& state, bool ahead, Problems& problems) {
+  for (std::size_t k = 0; k < supports.size(); ++k)
+    if (const Bond* b =
+            turns_as_one(supports[k]) ? bond_through_face(state, supports[k].particles, ahead) : nullptr)
+      refuse_torn(spec.supports[k].place, turning(spec, spec.supports[k]), in_words(*b), problems);
 }
 
 WaveVectors waves_of(const StageSpec& s) {

@@ -18,6 +18,15 @@ FileBox cell_of_case(const Case& c);
 /// The wave vectors of a stage, in whichever way they are given.
 WaveVectors waves_of(const StageSpec& s);
 
+/// Refuses [[velocities]] and rigid supports that turn a group of which specimens have been brought into the
+/// cell in pieces; and velocities of a group that bonds join through a face of the cell.
+void check_turned_pieces(const Case& c, const std::vector<PlacedSpecimen>& specimens, const Built& built,
+                         Problems& problems);
+/// Refuses rigid supports of a stage that turn particles which bonds join through a face of the cell. ahead:
+/// before the stages in front of it have run, when only bonds count that cannot break.
+void refuse_turned_through_face(const StageSpec& spec, const std::vector<Support>& supports,
+                                const State& state, bool ahead, Problems& problems);
+
 /// Refuses what a periodic body cannot have.
 void check_periodic(const Case& c, const Model& model, Problems& problems);
 

@@ -13,6 +13,7 @@
 #include "vbond/model/make_bond.hpp"
 #include "vbond/model/swing_bound.hpp"
 #include "vbond/setup/bonds.hpp"
+#include "vbond/setup/case_cell.hpp"
 #include "vbond/setup/case_sources.hpp"
 #include "vbond/setup/groups.hpp"
 #include "vbond/setup/stage_resolver.hpp"
@@ -246,6 +247,7 @@ Stage build_stage(const Case& c, const Model& model, int k, State& state, const 
     return stage;
   }
   add_stage_bonds(c, index, model, state, problems, threads);
+  refuse_turned_through_face(c.stages[index], stage.supports, state, false, problems);
   complete_terms({c, model, c.stages[index], problems}, state, stage);
   problems.throw_if_any();
   choose_fitting_step(c, index, model, state, exact_step, stage);

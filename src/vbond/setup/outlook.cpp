@@ -1,6 +1,7 @@
 #include "vbond/setup/outlook.hpp"
 
 #include "vbond/setup/bonds.hpp"
+#include "vbond/setup/case_cell.hpp"
 #include "vbond/setup/motion_stages.hpp"
 #include "vbond/setup/stage_resolver.hpp"
 #include "vbond/setup/stage_step.hpp"
@@ -21,6 +22,7 @@ Stage look_ahead_at_dynamics(const Case& c, const Model& model, std::size_t k, O
   Problems problems;
   Stage stage = resolve_stage(c, model, k, problems);
   expect_stage_bonds(c, k, model, outlook, problems);
+  refuse_turned_through_face(c.stages[k], stage.supports, outlook.state, true, problems);
   const bool bound_is_known = outlook.bonds_known && model.contact.law == ContactLaw::none;
   if (!stage.bonding.empty()) outlook.pairs_known = outlook.bonds_known = false;
   refuse_exact_with_bonding(c, stage, problems);
@@ -33,6 +35,7 @@ StaticStage look_ahead_at_statics(const Case& c, const Model& model, std::size_t
   Problems problems;
   StaticStage stage = resolve_static_stage(c, model, k, problems);
   expect_stage_bonds(c, k, model, outlook, problems);
+  refuse_turned_through_face(c.stages[k], stage.supports, outlook.state, true, problems);
   if (outlook.pairs_known) refuse_nothing_elastic(c.stages[k], model, outlook.state, problems);
   problems.throw_if_any();
   return stage;

@@ -93,6 +93,7 @@ StaticStage build_static_stage(const Case& c, const Model& model, int k, State& 
   problems.throw_if_any();
   const bool begins = state.clock.stage_step == 0;  // else under way: its bonds have been made
   if (begins) add_stage_bonds(c, index, model, state, problems, threads);
+  if (begins) refuse_turned_through_face(c.stages[index], stage.supports, state, false, problems);
   complete_terms({c, model, c.stages[index], problems}, state, stage);
   if (begins && problems.none()) refuse_nothing_elastic(c.stages[index], model, state, problems);
   problems.throw_if_any();
