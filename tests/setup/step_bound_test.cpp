@@ -124,6 +124,28 @@ TEST(StepBound, BondingRulesLeaveRoomForBondsToCome) {
   EXPECT_TRUE(contains(step_bound(b.model, b.state, s).source, '"' + c.bonds[0].name + "\" may still make"));
 }
 
+// As bonds that are there: damped, and with a slope of 50 under compression.
+TEST(StepBound, BondsToComeDampAndStretchAsTheirRuleSays) {
+  const auto critical = [](const auto& change) {
+    Case c = paper_rod();
+    c.bonds[0].when = BondTime::approach;
+    c.bonds[0].select.value = WithinDistance{1.0};
+    c.time.fraction = 1.0;
+    change(c.bonds[0].recipe);
+    Built b = build(c);
+    return build_stage(c, b.model, 0, b.state).critical;
+  };
+  const double plain = critical([](BondRecipe&) {}),
+               stiff = critical([](BondRecipe&r) {
+                 r.rules.stretch.form = StretchForm::two_slopes, r.rules.stretch.compression = 50.0;
+               }),
+               damped = critical([](BondRecipe&r) {
+                 r.damping = {DampingBy::ratio, {5.0, 5.0, 5.0, 5.0}};
+               });
+  EXPECT_NEAR(stiff / plain, 1.0 / std::sqrt(50.0), 1e-12);
+  EXPECT_LT(damped, 0.1 * plain);  // 1/(zeta + sqrt(1 + zeta^2)) of one bond
+}
+
 // Capsules that a rule may still make count like those that are there: of radius 1.5 between particles of
 // 0.4.
 TEST(StepBound, CountsThickCapsulesToCome) {

@@ -317,9 +317,9 @@ void Run::change_motion(PerParticle<Vec3d> v, PerParticle<Vec3d> omega) {
     for (GripState& g : state_.grips) g.velocity = {unknown, unknown, unknown};
   }
   const double before = own_kinetic_energy(model_, state_);
+  for (const ParticleId p : absent(state_)) v[p] = state_.v[p], omega[p] = state_.omega[p];
   state_.v = std::move(v);
   state_.omega = std::move(omega);
-  for (const ParticleId p : state_.waiting) state_.v[p] = state_.omega[p] = {};
   if (state_.clock.step > 0) {  // else the books are opened as the run begins
     const double change = own_kinetic_energy(model_, state_) - before;
     state_.books.work_loads += change;
