@@ -195,6 +195,13 @@ TEST(StepBound, KeepsTurnsBelowHalfARadian) {
   Built free = build(alone);
   free.state.omega[ParticleId{1}] = {0, 0, 100};
   EXPECT_EQ(fastest_turn(free.model, free.state, {}).rate, 0.0);
+  Support group;
+  group.rigid = true, group.particles = free.model.groups[0].particles;
+  Stage as_one;
+  as_one.supports = {group};
+  EXPECT_GT(fastest_turn(free.model, free.state, as_one).rate, 0.0);
+  as_one.supports[0].held[3] = as_one.supports[0].held[4] = as_one.supports[0].held[5] = true;
+  EXPECT_EQ(fastest_turn(free.model, free.state, as_one).rate, 0.0);
   alone.specimens[0].principal_inertia = std::array<double, 3>{0.05, 0.06, 0.07};
   free = build(alone);
   free.state.omega[ParticleId{1}] = {0, 0, 100};

@@ -158,6 +158,12 @@ void StageResolver::check_supports(const std::vector<Support>& supports) const {
                                d.particle.value, both),
                    "one support may hold directions at any angle to each other, two of them may not",
                    "give all of them to one support, as in fix = [\"y\", [0.6, 0, 0.8]]");
+    else if (is_free_grip(supports[d.first]) || is_free_grip(supports[d.second]))
+      problems.add(spec.supports[d.second].place,
+                   fmt::format("{} of particle {} {}, one of them rigid and free in part", d.dof,
+                               d.particle.value, both),
+                   "the particles of a rigid group that is free in part are in no other support",
+                   "leave these particles out of the other group");
     else
       problems.add(
           spec.supports[d.second].place,

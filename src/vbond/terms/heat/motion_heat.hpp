@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "vbond/dynamics/motion_term.hpp"
@@ -25,10 +26,12 @@ class MotionHeat final : public MotionTerm {
   struct Growing {
     std::size_t warm_bond;
     double growth;
+    std::optional<BondHistory> begun;  // what it remembered as the step began
   };
 
   bool set_temperatures(double time);
   void jump_to(double time);
+  bool jumps(BondId bond, const Bond& grown);
   void book();
 
   const BodyInMotion on_;

@@ -34,11 +34,9 @@ double MotionStrain::let_bonds_flow() {
     const Bond& b = s.bonds[k];
     const bool known = on_.bodies.order.has(b.i) || on_.bodies.order.has(b.j);
     if (!known || b.broken || !b.law->has_rules || !b.law->remembers()) continue;
-    const auto pose_of = [&](ParticleId p) { return on_.bodies.pose[on_.bodies.order.row[p].value]; };
-    const PoseRow i = pose_of(b.i), j = pose_of(b.j);
     BondHistory& history = s.bond_history[k];
     const double before = history[b.law->dissipated_at];
-    history = b.law->advance(b, bond_pose(b, between(i.r, j.r), i.q, j.q), {}, 0.0, history);
+    history = b.law->advance(b, on_.bodies.bond_pose(b), {}, 0.0, history);
     if (on_.bodies.order.has(b.i)) flowed += history[b.law->dissipated_at] - before;
   }
   on_.host.arrange_bonds();
