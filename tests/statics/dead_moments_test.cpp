@@ -234,6 +234,43 @@ TEST(DeadMoments, LeadToTheBalanceOfAPlainLoadSteppingWhateverTheSteps) {
   EXPECT_GE(all["right"], all.full ? all.cases / 2 : 0);
 }
 
+// A second stage that names no loads lets the body go back: on the way it is as if the loads stayed, and
+// their opposites grew.
+TEST(DeadMoments, FadeAsTheyGrew) {
+  const testing::Tally all =
+      testing::campaign("dead moments that fade", 25, [](unsigned seed) -> testing::Verdict {
+        Loaded c = drawn_case(seed);
+        c.stage.steps = 5;
+        State loaded;
+        const auto back = [&](std::vector<PointLoad> loads) -> std::optional<double> {
+          StaticStage second = c.stage;
+          second.loads = std::move(loads);
+          try {
+            return distance_between(run_static_stage(c.s.model, second, loaded, {}).state, c.s.state);
+          } catch (const NoEquilibrium&) {
+            return std::nullopt;
+          }
+        };
+        try {
+          loaded = run_static_stage(c.s.model, c.stage, c.s.state, {}).state;
+        } catch (const NoEquilibrium&) {
+          return {"not loaded"};
+        }
+        std::vector<PointLoad> both = c.stage.loads;
+        for (PointLoad& l : both) l.constant = true;
+        for (PointLoad l : c.stage.loads) {
+          l.force = -1.0 * l.force, l.moment = -1.0 * l.moment;
+          both.push_back(l);
+        }
+        const std::optional<double> faded = back({}), taken = back(both);
+        if (!taken || !(*taken < 1e-6)) return {"elsewhere by its opposites, too"};
+        if (!faded) return testing::wrong("no balance");
+        if (!(*faded < 1e-6)) return testing::wrong("off by " + std::to_string(*faded));
+        return {};
+      });
+  EXPECT_GE(all["right"], all.full ? all.cases / 2 : 0);
+}
+
 /// A cantilever of twelve bonds, EI = 100 and EA = 1e4, that a moment of 50 about z rolls up while a force of
 /// 3 pulls it across the plane.
 Loaded rolled_cantilever() {
