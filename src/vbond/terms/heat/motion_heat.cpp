@@ -24,7 +24,7 @@ bool MotionHeat::set_temperatures(double time) {
 void MotionHeat::begin_stage() {
   if (!set_temperatures(0.0)) return;
   State& s = on_.state;
-  const double U_before = on_.host.potential_energy(), flowed_before = dissipated_by_flow(s);
+  const double U_before = on_.host.potential_energy(), flowed_before = on_.host.flowed();
   take_lengths(s);
   for (const WarmBond& w : s.warm_bonds) {
     const Bond& b = s.bonds[w.bond];
@@ -35,8 +35,7 @@ void MotionHeat::begin_stage() {
   }
   if (on_.bonds.remembers()) on_.host.arrange_bonds();
   on_.host.evaluate_loads();
-  // all parts know what all bonds have lost; the energies are those of this one
-  const double flowed = on_.exchange.leads() ? dissipated_by_flow(s) - flowed_before : 0.0;
+  const double flowed = on_.host.flowed() - flowed_before;
   on_.books.dissipated += flowed;
   on_.books.work_supports += on_.host.potential_energy() - U_before + flowed;
 }
