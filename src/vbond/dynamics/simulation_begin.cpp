@@ -106,6 +106,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
     else
       begin_stage();
     note_where_it_begins();
+    if (of_whole) has_changed();  // it was whole
   } catch (...) {
     if (of_whole) of_whole->give_back(state_);
     *state = std::move(state_);
