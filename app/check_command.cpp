@@ -86,7 +86,8 @@ std::string solver_in_words(const StaticStage& stage, const SolverChoice& choice
   return "multigrid";
 }
 
-/// Wall time of one step, measured on the case itself for a quarter of a second. Throws Diverged.
+/// Wall time of one step, measured on the case itself for a quarter of a second, or the steps of the stage.
+/// Throws Diverged.
 double seconds_per_step(const Run& run, const Stage& stage, int threads) {
   using WallClock = std::chrono::steady_clock;
   constexpr double long_time = 1e300;
@@ -98,12 +99,15 @@ double seconds_per_step(const Run& run, const Stage& stage, int threads) {
   if (endless.stops.peak)
     endless.stops.peak->average_over = long_time;  // what they look at is part of a step
   if (endless.stops.rest) endless.stops.rest->during = long_time;
+  const double duration = stage.stops.duration;
+  const std::int64_t most =
+      duration < 10000 * stage.dt ? std::max<std::int64_t>(1, steps_in(duration, stage.dt) - 1) : 10000;
   Run trial(run.model(), run.current(), {endless}, threads);
   trial.step();  // neighbour lists and threads are set up
   const auto start = WallClock::now();
   double seconds = 0.0;
   std::int64_t steps = 0;
-  while (seconds < 0.25 && steps < 10000) {
+  while (seconds < 0.25 && steps < most) {
     steps += trial.step();
     seconds = std::chrono::duration<double>(WallClock::now() - start).count();
   }

@@ -73,6 +73,12 @@ int calibrate_body(const RunOptions& options, const CalibrateOptions& material, 
                               "factors are those of stiffnesses",
                               "give stiffness = { c_A, c_D, c_B, c_T }, or a theory"});
   const BendingFollows follows = bending_of(bending);
+  for (const BondSpec& spec : c.bonds)
+    if (spec.recipe.flat_joint.any() && follows != BendingFollows::area)
+      throw CaseError(
+          Problem{spec.place,
+                  fmt::format("bonds {} are flat joints, and --bending is {}", printable(spec.name), bending),
+                  "a flat joint bends and twists by the springs of its cells", "leave --bending out"});
   try {
     const CalibratedCell found = calibrate_cell(built.model, built.state, {asked.E, asked.nu}, follows);
     const ElasticConstants C(found.found.C);

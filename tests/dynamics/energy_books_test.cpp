@@ -99,6 +99,40 @@ TEST(EnergyBooks, CloseWithImposedStrain) {
       60.0);
 }
 
+// Two heavy particles, drawn apart by 0.02 in jumps of any size: their bond yields at 0.1, after 0.002, and
+// takes up 0.1 (0.02 - 0.001).
+TEST(EnergyBooks, CloseWithImposedStrainOfBondsThatYield) {
+  for (const int jumps : {1, 10, 100}) {
+    testing::Specimen s = testing::particles_at({{0, 0, 0}, {1, 0, 0}}, 0.3);
+    for (double& m : s.model.mass) m = 1e9;
+    BondRecipe recipe;
+    recipe.law = &bond_law<VModel>;
+    recipe.parameters = BondStiffness<double>{50.0, 20.0, 5.0, 5.0};
+    recipe.rules.yield.limit.axial = recipe.rules.yield.compression = 0.1;
+    testing::bond(s, 0, 1, recipe);
+    Stage stage = testing::plain_stage(0.01, 0.01 * jumps);
+    const double increment = std::pow(1.02, 1.0 / jumps) - 1.0;
+    stage.strain = StrainProgram{{ParticleId{0}, ParticleId{1}}, {1, 0, 0}, {0.5, 0, 0}, increment, 0.01};
+    Simulation run(s.model, stage, s.state);
+    run.run();
+    EXPECT_NEAR(run.books().work_supports, 0.1 * 0.019, 1e-9) << jumps;
+    EXPECT_LT(std::abs(run.balance_error()), 1e-6) << jumps;
+  }
+}
+
+// The jumps have no velocity, along which contacts would slide or roll.
+TEST(EnergyBooks, ImposedStrainIsRefusedWhereContactsSlide) {
+  testing::Specimen s = testing::straight_rod(3);
+  Stage stage = testing::plain_stage(0.01, 1.0);
+  stage.strain = StrainProgram{s.model.groups[0].particles, {1, 0, 0}, {1, 0, 0}, 1e-3, 0.1};
+  s.model.contact = {ContactLaw::hertz, ContactPairs::all, 1.0, 1.0, 5.0, 0.3};
+  EXPECT_NO_THROW(Simulation(s.model, stage, s.state));
+  s.model.contact.tangential = TangentialForm::mindlin;
+  EXPECT_THROW(Simulation(s.model, stage, s.state), std::invalid_argument);
+  s.model.contact.tangential = TangentialForm::none, s.model.contact.rolling = RollingForm::constant;
+  EXPECT_THROW(Simulation(s.model, stage, s.state), std::invalid_argument);
+}
+
 TEST(EnergyBooks, CloseWithContacts) {
   expect_second_order(
       [](auto& s, Stage& stage) {

@@ -531,6 +531,10 @@ TEST(Step, TellsWhoTurnsTooFar) {
   ASSERT_TRUE(fastest());
   EXPECT_EQ(fastest()->p, ParticleId{1});
   EXPECT_NEAR(fastest()->angle, 0.7, 1e-15);
+  stage.supports = {testing::held({ParticleId{2}}, {})};
+  stage.supports[0].rigid = true;
+  EXPECT_EQ(fastest()->p, ParticleId{2});  // a group of its own
+  stage.supports.clear();
   make_top(s.model, ParticleId{2}, {{0.05, 0.06, 0.07}, {}});
   EXPECT_EQ(fastest()->p, ParticleId{2});
 }

@@ -9,6 +9,7 @@
 
 #include "spheres_and_walls.hpp"
 #include "vbond/model/step_bound.hpp"
+#include "vbond/physics/laws.hpp"
 
 namespace vbond::touch_test {
 namespace {
@@ -182,6 +183,35 @@ TEST(Adhesion, HoldsTwoSpheresUntilNoEquilibriumIsLeft) {
   EXPECT_NEAR(most / (1.5 * pi * 0.2 * 0.25), 1.0, 1e-3);
   EXPECT_NEAR(farthest / reach, 1.0, 1e-3);  // a step is 2e-6, the reach 1e-2
   EXPECT_LT(std::abs(run.balance_error()), 1e-3);
+}
+
+// Two that overlap are drawn apart until their bond breaks, and overlap still: contact sets in with all of
+// its energy, which is taken off what the bond releases, with adhesion as without it. The books close at
+// every step, that of the break included.
+TEST(Adhesion, SetsInWhereABondBreaks) {
+  const auto released = [](AdhesionForm form, double work) {
+    ContactModel contact{.law = ContactLaw::hertz, .pairs = ContactPairs::unbonded, .E = 1000, .nu = 0.3};
+    contact.adhesion = form, contact.surface.work_of_adhesion = work;
+    Specimen s = spheres({{0, 0, 0}, {0.98, 0, 0}}, 0.5, 1.0, contact);
+    BondRecipe recipe;
+    recipe.law = &bond_law<WithRules<VModel>::Law>;
+    recipe.parameters = BondStiffness<double>{300.0, 100.0, 20.0, 20.0};
+    recipe.rules.strength = linear_strength(3.0, 1e9, 1e9, 1e9);
+    testing::bond(s, 0, 1, recipe);
+    s.state.v = {{-0.5, 0, 0}, {0.5, 0, 0}};
+    Simulation run(s.model, testing::plain_stage(1e-4, 1.0), s.state);
+    for (int k = 0; k < 1000; ++k) {
+      run.step();
+      EXPECT_LT(std::abs(run.balance_error()), 1e-3) << k;
+    }
+    EXPECT_EQ(run.events().size(), 1u);
+    return run.books().released;
+  };
+  const double without = released(AdhesionForm::none, 0.0);
+  for (const AdhesionForm form : {AdhesionForm::dmt, AdhesionForm::jkr}) {
+    EXPECT_NEAR(released(form, 1e-9), without, 1e-6);
+    EXPECT_GT(released(form, 0.1), without + 1e-3);  // surfaces that stick store less
+  }
 }
 
 // A damper of one coefficient on a linear spring: the restitution of the damped oscillator, which depends on

@@ -51,6 +51,8 @@ TEST(FastestSwing, LooksAtAllThatIsMovedAndNamesIt) {
   EXPECT_EQ(fastest_swing(stage).period, endless);
   stage.heating = {{{}, 1.0, wave(64, 4, 8)}};
   EXPECT_EQ(fastest_swing(stage).source, "the factor over time of a temperature");
+  stage.cell.component[3] = {CellComponent::By::stress, 0.1, wave(48, 4, 8)};
+  EXPECT_EQ(fastest_swing(stage).source, "the factor over time of cell.yz");
   stage.loads = {PointLoad{"end", {}, {}, {}, wave(32, 4, 8)}};
   EXPECT_EQ(fastest_swing(stage).source, "the factor over time of the load on group \"end\"");
   Support support;

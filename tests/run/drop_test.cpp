@@ -37,6 +37,19 @@ TEST(Drop, OneOfTwoBallsThatPassThroughOneAnother) {
       << w.told[0];
 }
 
+// New velocities are of those that are there: no energy is booked for the one that is gone.
+TEST(Drop, NewVelocitiesLeaveItOut) {
+  Watched w(two_balls(2.2), dropping(0.02, 3.0));
+  while (w.run.state().dropped.empty()) w.run.step(1);
+  const State before = w.run.state();
+  w.run.set_velocities(PerParticle<Vec3d>(3, {0, 2, 0}), before.omega);
+  const State s = w.run.state();
+  EXPECT_EQ(s.v[ParticleId{1}], Vec3d{});
+  const double m = 0.5 * w.run.model().mass[ParticleId{0}], was = norm2(before.v[ParticleId{0}]) + 0.01;
+  EXPECT_NEAR(s.books.work_loads - before.books.work_loads, m * (8.0 - was), 1e-14);
+  EXPECT_NO_THROW(w.run.run());
+}
+
 TEST(Drop, TheLighterOneGoesAndOneOfABodyStays) {
   Specimen light = two_balls(2.2);
   light.model.mass[ParticleId{0}] = 0.9;

@@ -162,6 +162,49 @@ TEST(Heat, ThatComesAtOnceFlowsAtOnce) {
   for (int k = 0; k < 2000; ++k) run.step();
   EXPECT_LT(std::abs(run.balance_error()), 1e-5);
 }
+/// A bond of c_A = 50 between held particles that is to grow by 0.02.
+struct HeldBond {
+  double work, balance_error;
+};
+HeldBond grown_between_held_ends(const BondRules& rules, const TimeFunction& factor, double dt) {
+  BondRecipe recipe = warm();
+  recipe.parameters = BondStiffness<double>{50.0, 20.0, 5.0, 5.0};
+  recipe.rules = rules;
+  const Specimen s = warm_rod(2, recipe);
+  Stage stage = testing::plain_stage(dt, 0.3);
+  stage.supports = {testing::held({ParticleId{0}, ParticleId{1}}, testing::clamped)};
+  stage.heating = {{s.model.groups[0].particles, 20.0, factor}};
+  Simulation run(s.model, stage, s.state);
+  run.run();
+  return {run.books().work_supports, std::abs(run.balance_error())};
+}
+
+// dN/dt = 50 g' - 50 N with g' = 0.2 for 0.1: work of g'^2 (0.1 - (1 - e^-5)/50).
+TEST(Heat, OfBondsThatCreepDoesTheExactWorkToSecondOrder) {
+  BondRules rules;
+  rules.creep = {1.0, 1};
+  const double exact = 0.04 * (0.1 - (1 - std::exp(-5.0)) / 50.0);
+  const auto off = [&](double dt) {
+    const HeldBond b = grown_between_held_ends(rules, {{{0, 0}, {0.05, 0}, {0.15, 1}}}, dt);
+    EXPECT_LT(b.balance_error, 2.0 * std::abs(b.work / exact - 1.0) + 1e-9);
+    return std::abs(b.work / exact - 1.0);
+  };
+  const double coarse = off(0.005), fine = off(0.0025);
+  EXPECT_LT(fine, 5e-3);
+  EXPECT_GT(coarse / fine, 3.0);
+}
+
+// At a limit of 0.1 the work is 0.1 (0.02 - 0.001), in a jump within a stage as by a ramp.
+TEST(Heat, OfBondsThatYieldDoesTheExactWorkInAJump) {
+  BondRules rules;
+  rules.yield.limit.axial = rules.yield.compression = 0.1;
+  for (const double rise : {1e-6, 0.1}) {
+    const HeldBond b = grown_between_held_ends(rules, {{{0, 0}, {0.05, 0}, {0.05 + rise, 1}}}, 0.005);
+    EXPECT_NEAR(b.work, 0.0019, 1e-6) << rise;
+    EXPECT_LT(b.balance_error, 1e-6) << rise;
+  }
+}
+
 // TH1: ends' translations held; one particle may not turn about the axis, which nothing else would hold. The
 // smallest eigenvalue vanishes between 1e-5 to either side of the exact growth; it is linear there but for
 // the square of that.

@@ -124,6 +124,28 @@ TEST(StepBound, BondingRulesLeaveRoomForBondsToCome) {
   EXPECT_TRUE(contains(step_bound(b.model, b.state, s).source, '"' + c.bonds[0].name + "\" may still make"));
 }
 
+// As bonds that are there: damped, and with a slope of 50 under compression.
+TEST(StepBound, BondsToComeDampAndStretchAsTheirRuleSays) {
+  const auto critical = [](const auto& change) {
+    Case c = paper_rod();
+    c.bonds[0].when = BondTime::approach;
+    c.bonds[0].select.value = WithinDistance{1.0};
+    c.time.fraction = 1.0;
+    change(c.bonds[0].recipe);
+    Built b = build(c);
+    return build_stage(c, b.model, 0, b.state).critical;
+  };
+  const double plain = critical([](BondRecipe&) {}),
+               stiff = critical([](BondRecipe&r) {
+                 r.rules.stretch.form = StretchForm::two_slopes, r.rules.stretch.compression = 50.0;
+               }),
+               damped = critical([](BondRecipe&r) {
+                 r.damping = {DampingBy::ratio, {5.0, 5.0, 5.0, 5.0}};
+               });
+  EXPECT_NEAR(stiff / plain, 1.0 / std::sqrt(50.0), 1e-12);
+  EXPECT_LT(damped, 0.1 * plain);  // 1/(zeta + sqrt(1 + zeta^2)) of one bond
+}
+
 // Capsules that a rule may still make count like those that are there: of radius 1.5 between particles of
 // 0.4.
 TEST(StepBound, CountsThickCapsulesToCome) {
@@ -173,6 +195,13 @@ TEST(StepBound, KeepsTurnsBelowHalfARadian) {
   Built free = build(alone);
   free.state.omega[ParticleId{1}] = {0, 0, 100};
   EXPECT_EQ(fastest_turn(free.model, free.state, {}).rate, 0.0);
+  Support group;
+  group.rigid = true, group.particles = free.model.groups[0].particles;
+  Stage as_one;
+  as_one.supports = {group};
+  EXPECT_GT(fastest_turn(free.model, free.state, as_one).rate, 0.0);
+  as_one.supports[0].held[3] = as_one.supports[0].held[4] = as_one.supports[0].held[5] = true;
+  EXPECT_EQ(fastest_turn(free.model, free.state, as_one).rate, 0.0);
   alone.specimens[0].principal_inertia = std::array<double, 3>{0.05, 0.06, 0.07};
   free = build(alone);
   free.state.omega[ParticleId{1}] = {0, 0, 100};

@@ -95,14 +95,17 @@ TEST(FreeGripsAtRest, AreTheLimitOfStiffBonds) {
 }
 
 // The tangent and the load direction, by differences. As for slanted supports, the antisymmetric part of what
-// is out of balance is left out on purpose.
+// is out of balance is left out on purpose. Bonds between the particles of every second grip are strained as
+// it takes hold.
 TEST(FreeGripsAtRest, TangentIsTheDerivativeOfTheLoads) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(seed);
-    const Case c = random_case(seed);
+    Case c = random_case(seed);
+    Dice dice(seed);
+    if (seed % 2 == 0)
+      for (std::size_t k = 1; k < c.group.size(); ++k) c.body.state.r[c.group[k]] += dice.vector(0.1);
     StaticBody body(c.body.model, c.stage, c.body.state);
     const int size = body.unknowns().size();
-    Dice dice(seed);
     Vector away(size);
     for (double& x : away) x = dice(-0.05, 0.05);
     body.move(away, 0.5);
@@ -111,6 +114,32 @@ TEST(FreeGripsAtRest, TangentIsTheDerivativeOfTheLoads) {
     EXPECT_LE((DenseMatrix(body.tangent()) - K).cwiseAbs().maxCoeff(), 1e-7);
     EXPECT_LE((body.load_direction() - d.load_direction).cwiseAbs().maxCoeff(), 1e-7);
   }
+}
+
+// A column of five bonds below a rigid head of three particles, of which two bonds join these: whatever
+// strain they have at the start, they do nothing to the load under which the column buckles sideways.
+TEST(FreeGripsAtRest, StrainedBondsInsideDoNothing) {
+  const auto critical_load = [](double prestrain) {
+    std::vector<Vec3d> r;
+    for (int k = 0; k < 8; ++k) r.push_back({double(k), 0, 0});
+    Specimen s = testing::particles_at(r, 0.3);
+    BondRecipe recipe;
+    recipe.parameters = BondStiffness<double>{1.0, 0.12, 0.01, 0.01};
+    for (std::size_t k = 0; k < 5; ++k) testing::bond(s, k, k + 1, recipe);
+    recipe.prestrain = prestrain;
+    for (std::size_t k = 5; k < 7; ++k) testing::bond(s, k, k + 1, recipe);
+    StaticStage stage = testing::static_stage(
+        StageKind::buckling,
+        {testing::fixed({ParticleId{0}}, testing::clamped),
+         grip({ParticleId{5}, ParticleId{6}, ParticleId{7}}, {false, false, true, true, true, false})});
+    stage.loads = {testing::pushed(7, {-1, 0, 0})};
+    const StaticOutcome out = run_static_stage(s.model, stage, s.state, {});
+    EXPECT_FALSE(out.result.critical_loads.empty()) << prestrain;
+    return out.result.critical_loads.at(0).load_factor;
+  };
+  const double expected = critical_load(0.0);
+  for (const double prestrain : {-0.3, -0.05, 0.05, 0.3})
+    EXPECT_NEAR(critical_load(prestrain) / expected, 1.0, 1e-9) << prestrain;
 }
 
 // Its particles stay one rigid body, and what is out of balance is minus the slope of the potential.

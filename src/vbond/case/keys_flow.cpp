@@ -124,6 +124,9 @@ void describe_flow(Table& t, BondSpec& b) {
   const StretchForm form = rules.stretch.form;
   t.check(form != StretchForm::table || b.recipe.expansion == 0.0, {"expansion", "stretching"},
           "a table of energies has no length at rest that could grow", "choose another form of stretching");
+  t.check(form != StretchForm::table || b.recipe.prestrain == 0.0, {"prestrain", "stretching"},
+          "a table of energies has no length at rest from which a bond could be stretched",
+          "shift the distances of the table, or choose another form of stretching");
   t.check(form == StretchForm::harmonic || (!b.softening && !b.creep), {"softening", "creep", "stretching"},
           "bonds that soften or creep stretch harmonically", "leave out stretching");
   t.check(form != StretchForm::table || !b.yield, {"yield", "stretching"},

@@ -77,7 +77,6 @@ Contacts::Touch Contacts::unbonded(Row i, Row j, const Bodies& bodies) {
   const Vec3d r_ij = bodies.between(i, j);
   const double distance = norm(r_ij), overlap = radius_[i] + radius_[j] - distance;
   if (!(overlap > 0.0) || model_.contact.keeps_overlap) return {};
-  if (model_.contact.adhesion != AdhesionForm::none) return {};  // surfaces that meet in the next step
   if (touches_) return {touches_->energy(i, j, bodies), touches_->first_force(i, j, bodies)};
   const HertzContact<double> h = contact_law(model_.contact, radius_[i], radius_[j]);
   return {contact_energy(h, overlap), -(contact_force(h, overlap) / distance) * r_ij};
@@ -89,6 +88,8 @@ void Contacts::list_unbonded(const Bodies& bodies, const Team& team) {
   for (const auto& [i, j] : unbonded_) {
     const double distance = norm(bodies.between(i, j));
     touches_->keep_overlap(i, j, std::max(0.0, radius_[i] + radius_[j] - distance));
+    if (model_.contact.adhesion != AdhesionForm::none && !model_.contact.keeps_overlap)
+      touches_->note_touching(i, j, bodies);
   }
   unbonded_.clear();
 }

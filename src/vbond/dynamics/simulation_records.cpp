@@ -96,15 +96,19 @@ StopReason Simulation::stop_reason() const {
 std::optional<FastTurn> Simulation::fastest_turn() const {
   std::optional<FastTurn> fastest;
   double most2 = sq(longest_turn / stage_.dt);
-  for (const ParticleId p : bodies_.order.row.ids()) {
+  const auto look = [&](ParticleId p, bool of_a_group) {
     const std::size_t row = bodies_.order.row[p].value;
     const double rate2 = norm2(bodies_.motion[row].omega);
-    if (!(rate2 > most2) || !bodies_.order.has(p)) continue;
+    if (!(rate2 > most2) || !bodies_.order.has(p)) return;
     const BondIndex::Range bonds = bond_index_.of(p);
-    if (bonds.begin() == bonds.end() && !bodies_.tops.has(row)) continue;
+    if (!of_a_group && bonds.begin() == bonds.end() && !bodies_.tops.has(row)) return;
     most2 = rate2;
     fastest = {p, stage_.dt * std::sqrt(rate2)};
-  }
+  };
+  for (const ParticleId p : bodies_.order.row.ids()) look(p, false);
+  for (const Support& s : stage_.supports)
+    if (turns_freely(s))
+      for (const ParticleId p : s.particles) look(p, true);
   std::vector<FastTurn> of_all(fastest ? 1 : 0, fastest.value_or(FastTurn{}));
   of_all = exchange_.gather(of_all);
   const auto first = std::min_element(of_all.begin(), of_all.end(), [](const FastTurn& a, const FastTurn& b) {

@@ -197,6 +197,12 @@ Vec3d TouchPairs::first_force(Row i, Row j, const Bodies& bodies) const {
   return -normal_force(forms_, numbers(i, j), p.R, p.overlap).F * p.n;
 }
 
+void TouchPairs::note_touching(Row i, Row j, const Bodies& bodies) {
+  const Touching<double> p = touching(i, j, bodies);
+  const std::size_t k = place(std::min(i, j), std::max(i, j));
+  if (p.overlap > 0.0 && k < pairs()) slip_[k].a = normal_force(forms_, numbers(i, j), p.R, p.overlap).a;
+}
+
 void TouchPairs::keep_overlap(Row i, Row j, double overlap) {
   const std::size_t k = place(std::min(i, j), std::max(i, j));
   if (keeps_overlap_ && k < pairs()) kept_[k] = overlap;

@@ -23,6 +23,9 @@ class TouchPairs {
 
   /// The bond of two that overlap has broken, and contacts keep such overlaps.
   void keep_overlap(Row i, Row j, double overlap);
+  /// The two have touched before this step: surfaces that meet gain energy by adhesion, which these have not
+  /// lost.
+  void note_touching(Row i, Row j, const Bodies& bodies);
   /// The farthest that particles hold on to each other beyond touching.  [length]
   double reach() const { return reach_; }
   /// Takes over what is near what. Pairs that stay keep what they remember.

@@ -16,18 +16,19 @@ double engineering(double green) {
   return 2.0 * green / (std::sqrt(1.0 + 2.0 * green) + 1.0);
 }
 
-/// Of a triaxial test: strain and work count from where the pressure is on. What it has done before is no
-/// part of the curve.
-void count_from_confined(const MadeTest& test, std::vector<Row>& rows) {
-  const double offset = test.confinement->axial - test.request.pressure;
-  const std::size_t confined = begin_of(test, rows);
-  const double strain = rows[confined].at.strain, work = rows[confined].work;
+/// Strain and work count from where the body is settled, of a triaxial test from where the pressure is on.
+/// What it has done before is no part of the curve.
+void count_from_begin(const MadeTest& test, std::vector<Row>& rows) {
+  // the ends of a triaxial test bear the pressure on the area of the skin, beside their force
+  const double offset = test.confinement ? test.confinement->axial - test.request.pressure : 0.0;
+  const std::size_t begin = begin_of(test, rows);
+  const double strain = rows[begin].at.strain, work = rows[begin].work;
   for (std::size_t k = 0; k < rows.size(); ++k) {
     rows[k].at.strain -= strain, rows[k].work -= work;
-    if (k < confined)
+    if (k < begin)
       rows[k].at = {0, 0, 0};
     else
-      rows[k].at.stress += offset;  // the ends bear the pressure on the area of the skin, beside their force
+      rows[k].at.stress += offset;
   }
 }
 
@@ -76,7 +77,7 @@ std::vector<Row> read_rows(const MadeTest& test, const std::filesystem::path& fi
     rows.push_back(std::move(row));
   }
   if (rows.empty()) throw IoError(file.string() + ": it has no rows");
-  if (test.confinement) count_from_confined(test, rows);
+  count_from_begin(test, rows);
   return rows;
 }
 

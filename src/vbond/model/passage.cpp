@@ -11,6 +11,7 @@
 #include "vbond/model/energies.hpp"
 #include "vbond/model/free_room.hpp"
 #include "vbond/model/make_bond.hpp"
+#include "vbond/model/region_images.hpp"
 
 namespace vbond {
 namespace {
@@ -132,13 +133,13 @@ void come_in(const Model& model, const Source& source, std::size_t body, const P
 }
 
 /// Particles that are where they are to be taken out.
-std::vector<ParticleId> who_goes(const Stage& stage, const State& s) {
+std::vector<ParticleId> who_goes(const Model& model, const Stage& stage, const State& s) {
   std::vector<ParticleId> gone;
   for (const Sink& o : stage.sinks) {
     if (!is_visited(o, stage, s)) continue;
     for (const ParticleId p : s.r.ids())
       if ((o.particles.empty() || o.particles[p.value] != 0) && !is_absent(s, p) &&
-          o.region->holds(s.r[p], 0.0) != o.outside)
+          holds_image(*o.region, model, s, p) != o.outside)
         gone.push_back(p);
   }
   std::sort(gone.begin(), gone.end());
@@ -148,7 +149,7 @@ std::vector<ParticleId> who_goes(const Stage& stage, const State& s) {
 }
 
 void take_out(const Model& model, const Stage& stage, State& s, Passage& done) {
-  const std::vector<ParticleId> gone = who_goes(stage, s);
+  const std::vector<ParticleId> gone = who_goes(model, stage, s);
   if (gone.empty()) return;
   for (const ParticleId p : gone) {
     s.mass.mass_out += model.mass[p];

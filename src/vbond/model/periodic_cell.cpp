@@ -7,6 +7,7 @@
 
 #include "vbond/core/images.hpp"
 #include "vbond/model/detail/mistake_list.hpp"
+#include "vbond/model/energies.hpp"
 #include "vbond/model/stress.hpp"
 
 namespace vbond {
@@ -46,6 +47,17 @@ Tensor cell_gradient(const CellShape& shape, const CellEdges& cell) {
 
 Tensor cell_velocity_gradient(const CellEdges& cell) {
   return from_edges({cell[0].rate, cell[1].rate, cell[2].rate}, edges_of(cell));
+}
+
+double kinetic_energy_beside_cell(const Model& model, const State& state) {
+  double energy = kinetic_energy(model, state);
+  if (state.cell.empty()) return energy;
+  const Tensor L = cell_velocity_gradient(state.cell);
+  for (const ParticleId p : model.mass.ids()) {
+    const Vec3d flow = times(L, state.r[p]);
+    energy += model.mass[p] * dot(flow, 0.5 * flow - state.v[p]);
+  }
+  return energy;
 }
 
 Tensor cell_stress(const Model& model, const BodyPart& body) {

@@ -141,8 +141,15 @@ double lambda_of_rule(const Model& model, const BondingRule& rule, std::string& 
   i.lever = lengths.R_i + 0.5 * a;
   j.lever = lengths.R_j + 0.5 * a;
   const BondStiffness<double> c = stiffness_of(rule.recipe, a, radii);
-  const Element at_rest{c, {}, i, j},
-      made = under({tension(rule.recipe.rules.stretch, c.c_A, a, D), D}, a, at_rest);
+  Element at_rest{c, {}, i, j};
+  const bool harmonic = rule.recipe.rules.stretch.form == StretchForm::harmonic;
+  if (!harmonic || rule.recipe.damping.by != DampingBy::none) {
+    const BondSite first{ParticleId{0}, {0, 0, 0}, {1, 0, 0, 0}, radii.i, i.m, i.Theta},
+        second{ParticleId{1}, {D, 0, 0}, {1, 0, 0, 0}, radii.j, j.m, j.Theta};
+    if (const std::optional<Bond> bond = make_bond(rule.recipe, first, second))
+      at_rest.c = bond->law->stiffest(*bond), at_rest.g = bond->law->damping(*bond);
+  }
+  const Element made = under({tension(rule.recipe.rules.stretch, c.c_A, a, D), D}, a, at_rest);
   const Element& e = rule.recipe.prestrain != 0.0 && made.lambda() > at_rest.lambda() ? made : at_rest;
   motion = motion_of(e);
   return e.lambda();

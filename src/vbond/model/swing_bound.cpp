@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "vbond/model/cell_drive.hpp"
+
 namespace vbond {
 namespace {
 
@@ -62,6 +64,9 @@ FastestSwing fastest_swing(const Stage& stage) {
       look_at(s.factor, "the support of group", s.group);
   for (const PointLoad& l : stage.loads) look_at(l.factor, "the load on group", l.group);
   for (const Pressure& p : stage.pressures) look_at(p.factor, "the pressure on group", p.group);
+  for (std::size_t k = 0; k < stage.cell.component.size(); ++k)
+    look(shortest_period(stage.cell.component[k].factor, stage.stops.duration),
+         [k] { return std::string("the factor over time of cell.") + cell_component_names[k]; });
   for (const Heating& h : stage.heating)
     look(shortest_period(h.factor, stage.stops.duration),
          [] { return std::string("the factor over time of a temperature"); });

@@ -13,7 +13,8 @@ double largest_factor(const TimeFunction& f) {
   return largest;
 }
 
-/// Of each particle, whether its orientation is felt: by bonds, present or to come, or by its own inertia.
+/// Of each particle, whether its orientation is felt: by bonds, present or to come, by its own inertia, or by
+/// its group.
 std::vector<char> feel_turns(const Model& model, const State& state, const Stage& stage) {
   std::vector<char> feels(model.particles(), 0);
   for (const Bond& b : state.bonds)
@@ -23,6 +24,9 @@ std::vector<char> feel_turns(const Model& model, const State& state, const Stage
     for (const BondingRule& rule : stage.bonding)
       if (rule.in_a[p.value] || rule.in_b[p.value]) feels[p.value] = 1;
   }
+  for (const Support& s : stage.supports)  // arms of a group that turns as one
+    if (turns_freely(s))
+      for (const ParticleId p : s.particles) feels[p.value] = 1;
   return feels;
 }
 

@@ -28,6 +28,11 @@ enum class Spins : bool { left_out, counted };
 inline Spins spins_against_given_step(const State& state) {
   return state.clock.step == 0 ? Spins::counted : Spins::left_out;
 }
+/// Whether the particles of a support are a rigid group with free turns.
+inline bool turns_freely(const Support& s) {
+  return is_free_grip(s) && !(s.held[3] && s.held[4] && s.held[5]);
+}
+
 FastestTurn fastest_turn(const Model& model, const State& state, const Stage& stage,
                          Spins spins = Spins::counted);
 

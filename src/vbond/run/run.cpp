@@ -295,13 +295,17 @@ void Run::set_velocity(const std::vector<ParticleId>& particles, const Vec3d& v,
 
 void Run::change_motion(PerParticle<Vec3d> v, PerParticle<Vec3d> omega) {
   require(!restart_, "a static stage was interrupted: it begins and ends at rest");
-  if (simulation_) state_ = std::move(*simulation_).take_state();
-  const double before = kinetic_energy(model_, state_);
+  if (simulation_) {
+    state_ = std::move(*simulation_).take_state();
+    constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+    for (GripState& g : state_.grips) g.velocity = {unknown, unknown, unknown};
+  }
+  const double before = kinetic_energy_beside_cell(model_, state_);
+  for (const ParticleId p : absent(state_)) v[p] = state_.v[p], omega[p] = state_.omega[p];
   state_.v = std::move(v);
   state_.omega = std::move(omega);
-  for (const ParticleId p : state_.waiting) state_.v[p] = state_.omega[p] = {};
   if (state_.clock.step > 0) {  // else the books are opened as the run begins
-    const double change = kinetic_energy(model_, state_) - before;
+    const double change = kinetic_energy_beside_cell(model_, state_) - before;
     state_.books.work_loads += change;
     books_before_.work_loads += change;
   }

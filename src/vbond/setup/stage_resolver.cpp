@@ -141,6 +141,14 @@ void StageResolver::check_supports(const std::vector<Support>& supports) const {
       problems.add(spec.supports[k].place,
                    fmt::format("the rigid support of group \"{}\" has no particles", supports[k].group),
                    "it moves particles as one rigid body", "name a group with particles, or leave it out");
+  for (std::size_t k = 0; k < supports.size(); ++k) {
+    const Support& s = supports[k];
+    if (is_free_grip(s) && s.pivot && !(s.held[0] && s.held[1] && s.held[2] && s.velocity == Vec3d{}))
+      problems.add(spec.supports[k].place,
+                   fmt::format("the rigid support of group \"{}\" has a pivot that would move", s.group),
+                   "what is rigid and free in part turns about a pivot that stands still",
+                   "leave pivot out, or fix x, y and z and leave the displacement or velocity out");
+  }
   for (const Disagreement& d : disagreements(supports, model.particles())) {
     const std::string both = fmt::format("is held by two supports (groups \"{}\" and \"{}\")",
                                          supports[d.first].group, supports[d.second].group);
@@ -150,6 +158,12 @@ void StageResolver::check_supports(const std::vector<Support>& supports) const {
                                d.particle.value, both),
                    "one support may hold directions at any angle to each other, two of them may not",
                    "give all of them to one support, as in fix = [\"y\", [0.6, 0, 0.8]]");
+    else if (is_free_grip(supports[d.first]) || is_free_grip(supports[d.second]))
+      problems.add(spec.supports[d.second].place,
+                   fmt::format("{} of particle {} {}, one of them rigid and free in part", d.dof,
+                               d.particle.value, both),
+                   "the particles of a rigid group that is free in part are in no other support",
+                   "leave these particles out of the other group");
     else
       problems.add(
           spec.supports[d.second].place,

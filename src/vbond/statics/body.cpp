@@ -185,9 +185,13 @@ void StaticBody::move(const Vector& x, double new_load_factor) {
 
 void StaticBody::relieve() {
   relief_.resize(0);
+  relief_turns_ = false;
   placed();
   if (load_factor_ == 1.0) return;
   relief_ = unbalanced() / (1.0 - load_factor_);
+  constexpr double rounding = 1e-9;  // of the largest force: ten times what a balance may leave
+  for (int k = 0; k < unknowns_.size(); ++k)
+    if (unknowns_.is_turn(k)) relief_turns_ |= std::abs(relief_[k]) > rounding * loads_at_hand().largest;
   placed();
 }
 

@@ -81,14 +81,16 @@ Vec3d StaticBody::seat(ParticleId p, const Placement& at) const {
   return at.r[first] - rotate(normalised(at.q[first] * conjugate(held.q)), held.arm);
 }
 
-/// Forces on particles of a rigid support turn it by their arms, which turn with it.
+/// Forces on particles of a rigid support turn it by their arms, which turn with it. Those between its
+/// particles turn as well.
 void StaticBody::add_arms() const {
   const double L = unknowns_.length();
   for (const Grip& g : grips_) {
     if (!is_free_grip(*g.support)) continue;
     Assembly::Block K = Assembly::Block::Zero();
     for (const ParticleId p : g.support->particles) {
-      const Vec3d d = *unknowns_.arm(p) / L, F = loads_at_hand().loads.F[p] / L;
+      const Loaded& l = loads_at_hand();
+      const Vec3d d = *unknowns_.arm(p) / L, F = (l.loads.F[p] - l.inside[p]) / L;
       for (int a = 0; a < 3; ++a)
         for (int b = 0; b < 3; ++b)
           K(3 + a, 3 + b) += (a == b ? dot(d, F) : 0.0) - component(d, a) * component(F, b);
@@ -103,11 +105,21 @@ void StaticBody::add_arms() const {
 double StaticBody::angle_of(const Grip& g) const {
   const HeldDofs& held = g.support->held;
   if (held[3] && held[4] && held[5]) return load_factor_ * norm(g.support->angular_velocity);
-  const Vec3d turn = rotation_vector(g.turn);
+  const Vec3d turn = rotation_vector(g.turn * g.before);
   for (int k = 0; k < 3; ++k)
     if (held[3 + static_cast<std::size_t>(k + 1) % 3] && held[3 + static_cast<std::size_t>(k + 2) % 3])
       return component(turn, k);
   return norm(turn);
+}
+
+std::vector<Quatd> StaticBody::turns_of_grips() const {
+  std::vector<Quatd> turns;
+  for (const Grip& g : grips_) turns.push_back(normalised(g.turn * g.before));
+  return turns;
+}
+
+void StaticBody::set_turns_before(const std::vector<Quatd>& turns) {
+  for (std::size_t k = 0; k < std::min(turns.size(), grips_.size()); ++k) grips_[k].before = turns[k];
 }
 
 std::vector<GripView> StaticBody::grips() const {

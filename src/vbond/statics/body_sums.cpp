@@ -58,8 +58,12 @@ const StaticBody::Loaded& StaticBody::loads_at_hand() const {
   const std::size_t n = model_.particles();
   Loaded l;
   l.loads = {PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)};
+  if (std::any_of(grips_.begin(), grips_.end(), [](const Grip& g) { return is_free_grip(*g.support); }))
+    l.inside.resize(n);
   const auto push = [&](ParticleId i, ParticleId j, const Image& of_j, const Vec3d& F) {
     l.loads.F[i] += F, l.loads.F[j] -= F;
+    if (!l.inside.empty() && of_j.is_itself() && unknowns_.carrier(i) == unknowns_.carrier(j))
+      l.inside[i] += F, l.inside[j] -= F;
     if (!of_j.is_itself()) add_image(of_j, F, l);
     l.largest = larger(l.largest, norm(F));
   };

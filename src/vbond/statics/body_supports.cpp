@@ -50,6 +50,10 @@ Loads StaticBody::moments_at_carriers() const {
   for (const ParticleId p : applied.M.ids())
     if (const ParticleId c = unknowns_.carrier(p); c != p)
       applied.M[c] += std::exchange(applied.M[p], Vec3d{});
+  if (!relief_turns_ || load_factor_ >= 1.0) return applied;
+  for (const ParticleId p : applied.M.ids())
+    if (unknowns_.carrier(p) == p)
+      applied.M[p] -= (1.0 - load_factor_) * unknowns_.length() * unknowns_.along_own(p, relief_).turn;
   return applied;
 }
 
@@ -175,6 +179,14 @@ double StaticBody::power_of(const Support& support) const {
   for (const ParticleId p : support.particles)
     add_power(support, p, support.held, support.axes ? &*support.axes : nullptr, power);
   return power;
+}
+
+double StaticBody::reaction_along_motion(const Support& support) const {
+  if (support.velocity == Vec3d{} || support.angular_velocity == Vec3d{})
+    return power_of(support) / way_of(support);
+  Support shifted = support;  // of what both do the part of the displacement: turning about a pivot is none
+  shifted.angular_velocity = {}, shifted.rigid = false;
+  return power_of(shifted) / way_of(shifted);
 }
 
 double StaticBody::power_of_supports() const {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "vbond/statics/detail/rigid.hpp"
+#include "vbond/statics/detail/rounding.hpp"
 #include "vbond/terms/walls/detail/rest_walls.hpp"
 
 namespace vbond {
@@ -42,7 +43,9 @@ BreakingBody::BreakingBody(const Model& model, const StaticStage& stage, State b
 }
 
 void BreakingBody::begin(State state, double load_factor) {
+  const std::vector<Quatd> turned = body_ ? body_->turns_of_grips() : std::vector<Quatd>{};
   body_ = std::make_unique<StaticBody>(model_, *stage_, std::move(state), load_factor);
+  body_->set_turns_before(turned);
   if (solver_) factors_before_ = factors();
   solver_ = std::make_unique<TangentSolver>(
       stage_->newton.solver, stage_->newton.solver == LinearSolver::automatic ? FactorUse::kept_if_cheaper
@@ -54,13 +57,13 @@ void BreakingBody::begin(State state, double load_factor) {
 }
 
 double BreakingBody::reaction(const Support& s) const {
-  return body_->power_of(s) / way_of(s);
+  return body_->reaction_along_motion(s);
 }
 
 double BreakingBody::reaction(const WallDrive& d) const {
-  const double along = norm(d.velocity);
-  return body_->terms().of<RestWalls>().power()[static_cast<Eigen::Index>(d.index)] /
-         (along > 0.0 ? along : norm(d.angular_velocity));
+  const auto& walls = body_->terms().of<RestWalls>();
+  if (d.velocity != Vec3d{}) return -dot(walls.force_on(d.index), normalised(d.velocity));
+  return walls.power()[static_cast<Eigen::Index>(d.index)] / norm(d.angular_velocity);
 }
 
 /// The stress of the first component of the cell that is moved this way; nothing where none is.
@@ -108,9 +111,20 @@ bool BreakingBody::is_stable() {
     rate_ = *solution;
   else if (definite || (body_->has_moment_part() && solver_->take_full(*body_)))
     rate_ = solver_->solve_full(*body_, body_->load_direction(), accuracy);
-  const bool stable = definite || body_->has_moment_part();
+  const bool stable = definite || (body_->has_moment_part() && (body_->flows() || may_be_stable()));
+  if (definite || !stable)
+    unstable_ = definite ? 0 : 1;
+  else
+    unstable_.reset();
   if (stable) stable_at_ = body_->placement();
   return stable;
+}
+
+/// Beside outside moments, as judge_stability(): only eigenvalues below minus the antisymmetric part are
+/// surely negative. Friction of what has cracked is left out: its part is as large as the stiffness.
+bool BreakingBody::may_be_stable() const {
+  const SparseMatrix& K = body_->tangent();
+  return analysed(K).factor_definite(K, std::max(eigenvalue_error(K), body_->moment_part()));
 }
 
 void BreakingBody::break_bond(BondId k, BreakMode mode) {

@@ -187,7 +187,7 @@ void CriticalLoads::add_reaction(CriticalLoad& found) const {
   const auto moved = std::find_if(stage_.supports.begin(), stage_.supports.end(), moves);
   if (moved == stage_.supports.end()) return;
   found.displacement = found.load_factor * way_of(*moved);
-  found.reaction = body_.power_of(*moved) / way_of(*moved);
+  found.reaction = body_.reaction_along_motion(*moved);
 }
 
 void CriticalLoads::add_estimates() {

@@ -219,7 +219,8 @@ class Fracture {
           fmt::format("load factor {:.9g}: the body has parted, no load is left", walk_.load_factor()));
     else if (static_cast<int>(found_.breaks.size()) >= settings_.most_breaks)
       end("breaks", "");
-    else if (settings_.load_drop && *after.load_after <= (1.0 - *settings_.load_drop) * found_.peak_load)
+    else if (settings_.load_drop &&
+             along_peak(*after.load_after) <= (1.0 - *settings_.load_drop) * found_.peak_load)
       end("load drop", "");
   }
 
@@ -258,9 +259,9 @@ class Fracture {
       return lose_stability(
           fmt::format("no stable balance follows the break of bond {}", found_.breaks.back().use.bond.value));
     }
-    now_ = walk_.here();
+    const Balance unbroken = std::exchange(now_, walk_.here());
     before_ = {};
-    const double work = walk_.body().work_of_loads(from, now_.at, now_.at.load_factor);
+    const double work = walk_.work_of_jump(unbroken, now_);
     add_work(work);
     book_release(spent + work - now_.spent());
     note_balance(PointKind::broken);
@@ -302,16 +303,20 @@ class Fracture {
     found_.books.largest = std::max(
         {found_.books.largest, std::abs(now_.stored), roundings * walk_.body().rounding_of_potential()});
     note_peak(walk_.load());
-    report_point(walk_.body(), kind, 0, hooks_, result_);
-    result_.unstable = 0;
+    report_point(walk_.body(), kind, walk_.unstable(), hooks_, result_);
+    result_.unstable = walk_.unstable();
   }
 
   void note_peak(double load) {
     largest_reaction_ = std::max(largest_reaction_, walk_.largest_reaction().value_or(0.0));
     if (!(std::abs(load) > found_.peak_load)) return;
     found_.peak_load = std::abs(load);
+    peak_pushes_ = load < 0.0;
     found_.peak_load_factor = walk_.load_factor();
   }
+
+  /// A load in the sense of the largest one.
+  double along_peak(double load) const { return peak_pushes_ ? -load : load; }
 
   void add_work(double work) {
     found_.books.work += work;
@@ -335,6 +340,7 @@ class Fracture {
   double avalanche_factor_ = 0;
   double dissipated_before_ = 0;  // the stage
   double largest_reaction_ = 0;   // of any support
+  bool peak_pushes_ = false;      // whether the largest load was negative
   struct {
     double from = 0, to = 0, energy = 0;
   } worst_;  // step of the books

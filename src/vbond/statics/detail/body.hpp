@@ -189,12 +189,18 @@ class StaticBody {
   double power_of(const Support& support) const;
   /// The same of all supports, where several hold a degree of freedom that of one.
   double power_of_supports() const;
+  /// The force of a support along its displacement, or if there is none its moment about its turn.
+  double reaction_along_motion(const Support& support) const;
   /// How the held translations of one of a support's particles go, per load factor.  [length]
   Vec3d rate_of(const Support& support, ParticleId p) const;
   /// Whether rigid supports are free in some degrees of freedom.
   bool has_free_grips() const;
   /// Grips of the stage, without their work.
   std::vector<GripView> grips() const;
+  /// How grips have turned in the stage, and that they had before this body took hold of them: those of the
+  /// first supports.
+  std::vector<Quatd> turns_of_grips() const;
+  void set_turns_before(const std::vector<Quatd>& turns);
   /// What a term cannot go on with here, e.g. a particle whose centre has come through a wall.
   std::optional<std::string> fault_of_terms() const;
   /// Loads at this load factor, on the free unknowns.  [force]
@@ -229,6 +235,7 @@ class StaticBody {
  private:
   struct Loaded : LoadSum {  // without relief
     Vector unbalanced;
+    PerParticle<Vec3d> inside;  // of the forces those of pairs of one rigid group; empty: there are no groups
   };
   /// A rigid support: its pose is that in which it took hold, moved with the load factor since then; of one
   /// that is free in part it is that of its first particle.
@@ -236,8 +243,9 @@ class StaticBody {
     const Support* support;
     RigidMotion motion;
     std::vector<GrippedPose> as_held;
-    Vec3d pivot;  // where it stands
-    Quatd turn;   // since it took hold
+    Vec3d pivot;                  // where it stands
+    Quatd turn;                   // since it took hold
+    Quatd before = {1, 0, 0, 0};  // turn in the stage until then
   };
   struct Stiffness : StiffnessSum {
     DenseMatrix skew;     // of the cell's rows over all unknowns: the antisymmetric part of the tangent
@@ -306,6 +314,7 @@ class StaticBody {
   RestTerms terms_;
   std::array<double, 6> cell_found_{};  // components at held_at_
   Vector relief_;                       // empty: none
+  bool relief_turns_ = false;           // whether it has moments, beyond rounding
   PerParticle<char> bonded_;
   // of bodies that flow: what bonds remembered at the last accepted balance, and at the one before it
   PerBond<BondHistory> accepted_, accepted_before_;

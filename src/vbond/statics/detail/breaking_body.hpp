@@ -42,6 +42,9 @@ class BreakingBody {
 
   /// Whether the balance is stable, as far as that is known; keeps how the body goes on from here.
   bool is_stable();
+  /// How many negative eigenvalues the balance has that is_stable() has judged: 0, or nothing where moments
+  /// from outside or friction leave it open.
+  std::optional<int> unstable() const { return unstable_; }
   /// The longest step of the load factor from the balance that is_stable() has judged.
   double longest_step() const;
   /// On to a balance at another load factor, from the balance that is_stable() has judged. False, and back,
@@ -60,6 +63,8 @@ class BreakingBody {
   Vector work_between(const Balance& a, const Balance& b, double scale) {
     return way_here().between(a, b, scale);
   }
+  /// The same after a jump at one load factor, without the walls, which then stand still.  [energy]
+  double work_of_jump(const Balance& a, const Balance& b) { return way_here().of_jump(a, b); }
   /// Walls have done what is among this work.
   void add_work_of_walls(const Vector& work);
 
@@ -70,6 +75,7 @@ class BreakingBody {
   Support& free_grip_of(ParticleId first);
 
  private:
+  bool may_be_stable() const;
   void begin(State state, double load_factor);
   double reaction(const Support& s) const;
   double reaction(const WallDrive& d) const;
@@ -86,7 +92,8 @@ class BreakingBody {
   std::unique_ptr<TangentSolver> solver_;
   int factors_before_ = 0;  // of former solvers
   const Support* moved_ = nullptr;
-  Vector rate_;                         // movement per load factor; empty: not known
+  Vector rate_;  // movement per load factor; empty: not known
+  std::optional<int> unstable_ = 0;
   std::optional<Placement> stable_at_;  // where is_stable() was last, if it was: rate_ is that of this place
 };
 

@@ -26,7 +26,9 @@ namespace vbond {
 
 void HeatTerm::describe(keys::Table& t, SpecPart<HeatTerm>& s, std::optional<StageKind> kind) {
   t.when(!kind || kind != StageKind::modes, "every kind but \"modes\"", [&] {
-    t.tables(key, s.temperatures, keys::optional, "what heats bonds that expand",
+    t.tables(key, s.temperatures, keys::optional,
+             "what heats bonds that expand; where groups overlap the last entry counts in motion, and "
+             "changes add up at rest",
              [kind](keys::Table& k, TemperatureSpec& heat) { keys::describe(k, heat, kind); });
   });
 }

@@ -20,8 +20,9 @@ void describe(Table& t, StrainSpec& s) {
 namespace vbond {
 
 void StrainTerm::describe(keys::Table& t, SpecPart<StrainTerm>& s, std::optional<StageKind> kind) {
-  t.when(kind == StageKind::dynamics, "kind = \"dynamics\"",
-         [&] { t.table(key, s.strain, "affine strain, applied step by step"); });
+  t.when(kind == StageKind::dynamics, "kind = \"dynamics\"", [&] {
+    t.table(key, s.strain, "affine strain, applied step by step; not where contacts have friction or roll");
+  });
 }
 
 }  // namespace vbond

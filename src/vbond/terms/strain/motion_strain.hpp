@@ -13,6 +13,8 @@ class MotionStrain final : public MotionTerm {
   void begin_step() override;
 
  private:
+  double let_bonds_flow();
+
   const BodyInMotion on_;
 };
 

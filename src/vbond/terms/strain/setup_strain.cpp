@@ -1,6 +1,7 @@
 #include <utility>
 
 #include "vbond/setup/stage_resolver.hpp"
+#include "vbond/terms/strain/strain_and_contacts.hpp"
 
 namespace vbond {
 
@@ -8,6 +9,11 @@ namespace vbond {
 void StrainTerm::resolve(const StageResolver& resolver, StagePart<StrainTerm>& to) {
   if (!resolver.spec.strain) return;
   const StrainSpec& s = *resolver.spec.strain;
+  if (feels_sliding(resolver.model.contact))
+    resolver.problems.add(s.place, "strain in a body whose contacts have friction or roll",
+                          "it moves particles in jumps, along which no contact slides or rolls",
+                          "leave contact.tangential and contact.rolling out, or move the ends by supports "
+                          "with velocity");
   StrainProgram resolved{resolver.particles(s.group),
                          resolver.direction(s.direction, "strain", s.place),
                          {},

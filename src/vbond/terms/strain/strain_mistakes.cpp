@@ -4,6 +4,7 @@
 
 #include "vbond/model/detail/mistake_list.hpp"
 #include "vbond/model/static_stage.hpp"
+#include "vbond/terms/strain/strain_and_contacts.hpp"
 
 namespace vbond {
 
@@ -20,6 +21,9 @@ void StrainTerm::look_at_motion(const Model& model, const Stage& stage, Mistakes
                 fmt::format("the strain is imposed every {}: it must be > 0", strain.every));
   found.require(!strained_and_gripped(stage),
                 "the imposed strain moves particles of a rigid support, which would take them back");
+  found.require(!feels_sliding(model.contact),
+                "the imposed strain moves particles in jumps, along which contacts do not slide or roll: the "
+                "model has friction or rolling");
   found.require(!model.cell.any(), "a periodic body takes no imposed strain: its cell is strained");
 }
 

@@ -42,6 +42,8 @@ class RestWalls final : public RestTerm {
   bool moves() const { return !driven_.empty(); }
   /// What each wall does along its motion, per load factor.  [energy]
   Vector power() const;
+  /// Of the particles on a wall.  [force]
+  Vec3d force_on(std::size_t wall) const { return at_hand().on_walls[wall].force; }
   void add_work(const Vector& work);
 
  private:
