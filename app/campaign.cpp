@@ -138,7 +138,7 @@ void save_summary(Campaign& campaign) {
   s.energy_balance_error = history->largest_balance_error();
   if (campaign.files.breaks) {
     BreakSummary& breaks = s.breaks ? *s.breaks : s.breaks.emplace();
-    breaks.broken = count_broken(campaign.run.current().bonds);
+    breaks.broken = count_broken(campaign.run.current());
     breaks.first = campaign.files.breaks->record();
     breaks.peak_load = history->largest_load();
     if (const auto load = breaks.first.largest_load)

@@ -83,8 +83,10 @@ void Heartbeat::begin_stage() {
     status_.step = clock.step;
     status_.time = clock.time();
     status_.seconds_left = {};
-    if (columns_.breaks) status_.broken = count_broken(run_.current().bonds);
-    if (const Simulation* stage = run_.simulation()) look_at_stage(*stage);
+    if (const Simulation* stage = run_.simulation())
+      look_at_stage(*stage);
+    else if (columns_.breaks)
+      status_.broken = count_broken(run_.current());
   });
   write();
 }
@@ -107,7 +109,7 @@ void Heartbeat::balance(const BodyView& body) {
 
 void Heartbeat::look(const BodyView& body) {
   const HistoryValues values = history_values(OutputPlan{}, body);
-  if (columns_.breaks) status_.broken = count_broken(body.bonds());
+  if (columns_.breaks) status_.broken = count_broken(body.bonded());
   status_.step = values.clock.step;
   status_.time = values.clock.time();
   status_.stage.steps = values.clock.stage_step;

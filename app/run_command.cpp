@@ -45,7 +45,7 @@ namespace fs = std::filesystem;
 void add_stage(RunSummary& s, const Simulation& run, StopReason why, std::int64_t first_step,
                const std::string& failure) {
   const RangeCounts ranges = count_ranges(run);
-  s.bonds = static_cast<std::int64_t>(run.bonds().size());
+  s.bonds = count_bonds(run.bonded());
   s.threads_used = run.threads();
   s.strained = ranges.strained;
   s.snapped = ranges.snapped;

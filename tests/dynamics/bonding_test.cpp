@@ -92,9 +92,9 @@ TEST(Bonding, ByAGapOrAFactorFollowsTheRadiiOfEachPair) {
     stage.bonding = {rule};
     Simulation run(s.model, stage, s.state);
     run.step();
-    ASSERT_EQ(run.bonds().size(), 2u);
-    EXPECT_EQ(run.bonds()[BondId{0}].j, ParticleId{1});
-    EXPECT_EQ(run.bonds()[BondId{1}].i, ParticleId{2});
+    ASSERT_EQ(run.state().bonds.size(), 2u);
+    EXPECT_EQ(run.state().bonds[BondId{0}].j, ParticleId{1});
+    EXPECT_EQ(run.state().bonds[BondId{1}].i, ParticleId{2});
   }
 }
 
@@ -113,8 +113,8 @@ TEST(Bonding, ALeftOutPairStaysLeftOut) {
   for (std::size_t k = 0; k < 200; k += 2) wanted += pair_variate(3, ParticleId{k}, ParticleId{k + 1}) < 0.4;
   EXPECT_GT(wanted, 20u);
   EXPECT_LT(wanted, 60u);
-  ASSERT_EQ(run.bonds().size(), wanted);
-  for (const Bond& b : run.bonds()) EXPECT_LT(pair_variate(3, b.i, b.j), 0.4);
+  ASSERT_EQ(run.state().bonds.size(), wanted);
+  for (const Bond& b : run.state().bonds) EXPECT_LT(pair_variate(3, b.i, b.j), 0.4);
 }
 
 // Pairs whose own strength does not bear the prestrain are left unbonded, and not made and broken for ever.
@@ -130,11 +130,11 @@ TEST(Bonding, LeavesPairsTooWeakForThePrestrain) {
   stage.bonding = {any_pair_within(1.0, 40, recipe)};
   Simulation run(s.model, stage, s.state);
   for (int k = 0; k < 50; ++k) run.step();
-  const std::size_t made = run.bonds().size();
+  const std::size_t made = run.state().bonds.size();
   EXPECT_GT(made, 10u);  // exp(-(1/2)^2) = 0.78 of 20
   EXPECT_LT(made, 20u);
   EXPECT_EQ(run.breaks(), 0);
-  for (const Bond& b : run.bonds()) EXPECT_GT(strength_factor(b), 0.5);
+  for (const Bond& b : run.state().bonds) EXPECT_GT(strength_factor(b), 0.5);
 }
 
 // Bonds are numbered as they are made, so the order is part of the result: rules one after another, pairs of

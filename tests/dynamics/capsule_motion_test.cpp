@@ -263,7 +263,7 @@ TEST(Capsules, OfBondsMadeInTheRunTouch) {
   stage.bonding = {{"late", {1, 1, 0, 0}, {1, 1, 0, 0}, 1.1, capsules(0.2)}};
   Simulation run(s.model, stage, s.state);
   run.run();
-  EXPECT_EQ(run.bonds().size(), 2u);
+  EXPECT_EQ(run.state().bonds.size(), 2u);
   EXPECT_GT(run.state().v[ParticleId{2}].z, -0.1);  // as it bounced, by equal masses
   EXPECT_GT(least_distance(run.state(), 2), 0.3);
   EXPECT_LT(std::abs(run.balance_error()), 1e-5);

@@ -263,7 +263,7 @@ TEST(FlowInMotion, BeginsAtTheLimitWhenABondIsMadeOnTheWay) {
       run.step();
       ASSERT_LT(std::abs(run.balance_error()), 3e-3) << k;
     }
-    ASSERT_EQ(run.bonds().size(), 2u);
+    ASSERT_EQ(run.state().bonds.size(), 2u);
     EXPECT_GT(run.books().dissipated, 1e-4);
     EXPECT_EQ(run.state().bond_history.size(), 2u);
   }

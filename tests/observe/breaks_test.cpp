@@ -162,9 +162,9 @@ TEST(Breaks, RecordOfAContinuedFileIsThatOfItsRows) {
   {
     BreaksWriter writer(plan, {});
     EXPECT_EQ(writer.record(), BreakRecord{});
-    writer.write(at(10), chain.state.bonds[BondId{0}], event, 0.5);
-    writer.write(at(20), chain.state.bonds[BondId{1}], event, 0.75);
-    writer.write(at(30), chain.state.bonds[BondId{1}], event, 7.0);
+    writer.write(at(10), event, 0.5);
+    writer.write(at(20), event, 0.75);
+    writer.write(at(30), event, 7.0);
     EXPECT_EQ(writer.record(), (BreakRecord{10 * 0.1, 0.5, 7.0}));
   }
   EXPECT_EQ(BreaksWriter(plan, 20).record(), (BreakRecord{10 * 0.1, 0.5, 0.75}));
@@ -182,17 +182,17 @@ TEST(Fragments, AreSortedByMassAndThenByTheirLowestParticle) {
   chain.model.mass[ParticleId{6}] = 2.0;
   for (const std::size_t k : {0u, 2u, 5u}) chain.state.bonds[BondId{k}].broken = true;
   // 0 | 1 2 | 3 4 5 | 6, of masses 1, 2, 3, 2
-  const Fragments f = find_fragments(chain.model, chain.state.bonds);
+  const Fragments f = find_fragments(chain.model, chain.state);
   ASSERT_EQ(f.all.size(), 4u);
   EXPECT_EQ(f.number.values(), (std::vector<std::int64_t>{3, 1, 1, 0, 0, 0, 2}));
   EXPECT_EQ(f.all[1].lowest, ParticleId{1});
   EXPECT_EQ(f.all[1].particles, 2);
   EXPECT_EQ(f.all[1].mass, 2.0);
   EXPECT_EQ(f.all[0].mass, 3.0);
-  EXPECT_EQ(count_fragments(chain.model, chain.state.bonds), (FragmentCount{4, 3.0 / 8.0}));
+  EXPECT_EQ(count_fragments(chain.model, chain.state), (FragmentCount{4, 3.0 / 8.0}));
   chain.state.v[ParticleId{1}] = {1, 2, 3};
   chain.model.mass[ParticleId{1}] = 0.5;
-  const Fragments g = find_fragments(chain.model, chain.state.bonds);
+  const Fragments g = find_fragments(chain.model, chain.state);
   const FragmentMotion m = motion_of(g, chain.model, chain.state);
   const auto k = static_cast<std::size_t>(g.number[ParticleId{1}]);
   EXPECT_NEAR(m.centre[k]->x, (0.5 * 1 + 1.0 * 2) / 1.5, 1e-15);

@@ -3,15 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <barrier>
 #include <cmath>
-#include <cstring>
 #include <limits>
+#include <numeric>
 #include <string>
 #include <thread>
 #include <variant>
 #include <vector>
 
+#include "dynamics/processes.hpp"
 #include "dynamics/spheres_and_walls.hpp"
 #include "vbond/model/capsules.hpp"
 #include "vbond/model/touching.hpp"
@@ -21,78 +21,13 @@
 namespace vbond::parts_test {
 namespace {
 
+using testing::ImageRow;
+using testing::Meeting;
+using testing::Process;
 using testing::Specimen;
 
-struct Meeting {
-  explicit Meeting(std::size_t processes)
-      : all_here(static_cast<std::ptrdiff_t>(processes)), numbers(processes), bytes(processes) {}
-  std::barrier<> all_here;
-  std::vector<std::vector<double>> numbers;
-  std::vector<std::span<const std::byte>> bytes;
-};
-
-/// A ghost that is an image, and where its particle is.
-struct ImageRow {
-  std::size_t row;
-  Image image;
-  Vec3d r;
-};
-
-/// Ghosts have what the state has that each begins with, images their places: nothing moves.
-class Process final : public Exchange {
- public:
-  Process(Meeting& meeting, std::size_t rank) : meeting_(meeting), rank_(rank) {}
-
-  void halo(const HaloColumns& columns) override {
-    for (const ImageRow& g : images) {
-      columns.pose[g.row].r = g.r;
-      columns.carry(g.row, g.image);
-    }
-  }
-  void reverse_sum(std::span<LoadRow>) override {}
-  void sum(std::span<double> x) const override {
-    combine(x, [](double a, double b) { return a + b; });
-  }
-  void max(std::span<double> x) const override {
-    combine(x, [](double a, double b) { return std::max(a, b); });
-  }
-  int ranks() const override { return static_cast<int>(meeting_.bytes.size()); }
-  int rank() const override { return static_cast<int>(rank_); }
-  void gather_bytes(std::span<const std::byte> mine, const Room& room) const override {
-    meeting_.bytes[rank_] = mine;
-    meeting_.all_here.arrive_and_wait();
-    std::size_t size = 0;
-    for (const auto& b : meeting_.bytes) size += b.size();
-    largest_gather = std::max(largest_gather, size);
-    std::byte* to = room(size);
-    for (const auto& b : meeting_.bytes) {
-      if (!b.empty()) std::memcpy(to, b.data(), b.size());
-      to += b.size();
-    }
-    meeting_.all_here.arrive_and_wait();
-  }
-
-  std::vector<ImageRow> images;
-  mutable std::size_t largest_gather = 0;  ///< of all processes together  [bytes]
-
- private:
-  template <class Op>
-  void combine(std::span<double> x, Op op) const {
-    meeting_.numbers[rank_].assign(x.begin(), x.end());
-    meeting_.all_here.arrive_and_wait();
-    for (std::size_t k = 0; k < x.size(); ++k) {
-      x[k] = meeting_.numbers[0][k];
-      for (std::size_t rank = 1; rank < meeting_.numbers.size(); ++rank)
-        x[k] = op(x[k], meeting_.numbers[rank][k]);
-    }
-    meeting_.all_here.arrive_and_wait();
-  }
-  Meeting& meeting_;
-  std::size_t rank_;
-};
-
 /// A bar of particles on a floor, bonded at random to neighbours by bonds that yield, each somewhat out of
-/// its place, some far; one was taken out.
+/// its place, some far; one was taken out. Some bonds are broken, have turned frames or expand with heat.
 Specimen random_bar(unsigned seed, bool touches, bool periodic) {
   testing::Dice dice(seed);
   std::vector<Vec3d> r;
@@ -117,6 +52,12 @@ Specimen random_bar(unsigned seed, bool touches, bool periodic) {
         testing::bond(s, turned ? j : i, turned ? i : j, recipe);
       }
   s.state.bond_history.resize(s.state.bonds.size());
+  for (const BondId k : s.state.bonds.ids()) {
+    Bond& b = s.state.bonds[k];
+    b.broken = dice.chance(0.3);
+    if (dice.chance(0.2)) set_frames(b, b.frame_i, rotation_of(dice.vector(0.1)) * frame_j(b));
+    if (dice.chance(0.2)) s.state.warm_bonds.push_back({k, 0.1, b.a, b.R_i, b.R_j});
+  }
   for (const ParticleId p : s.state.r.ids()) {
     s.state.r[p] += dice.vector(dice.chance(0.1) ? 0.3 : 0.03);
     s.state.q[p] = rotation_of(dice.vector(dice.chance(0.03) ? 1.5 : 0.1));
@@ -136,11 +77,12 @@ OutputPlan plan_of(const Model& model) {
   plan.stresses = {{some, 70.0}, {model.groups[0], 100.0}};
   plan.losses = {Loss::yield_axial, Loss::friction, Loss::contact_damping};
   plan.cell = model.cell.any();
+  plan.breaks = true;
   return plan;
 }
 
 /// The k-th of so many parts: a piece along the bar, with the particles that it must know. All others are
-/// somewhere else in its state.
+/// somewhere else in its state, and bonds between them are broken there.
 Share part_of_bar(const Specimen& s, State& state, std::size_t k, std::size_t parts,
                   std::vector<ImageRow>& images) {
   const auto owner = [&](ParticleId p) { return std::min(parts - 1, p.value * parts / s.model.particles()); };
@@ -172,8 +114,10 @@ Share part_of_bar(const Specimen& s, State& state, std::size_t k, std::size_t pa
       images.push_back({row.value, order.image(row), state.r[order.particle[row]]});
   for (const ParticleId p : known.ids())
     if (known[p] == 0 && !is_absent(state, p)) state.r[p] += Vec3d{0.3, 1.7, 0.4}, state.v[p] = {9, 9, 9};
+  for (Bond& b : state.bonds)
+    if (known[b.i] == 0 && known[b.j] == 0) b.broken = true;
   constexpr double inf = std::numeric_limits<double>::infinity();
-  return {order, inf, inf, true};
+  return {order, inf, inf, state.clock.stage_step == 0};
 }
 
 struct Seen {
@@ -216,7 +160,7 @@ TEST_P(Parts, AddUpToWhatOneProcessSeesAndCollectNothing) {
     Simulation before(s.model, stage, s.state);
     for (int k = 0; k < 20; ++k) before.step();
     State state = std::move(before).take_state();
-    begin_next_stage(state.clock);
+    if (seed % 4 < 2) begin_next_stage(state.clock);  // else the stage goes on
     const Simulation run(s.model, stage, state);
     const OutputPlan plan = plan_of(s.model);
     const std::vector<std::string> names = history_columns(plan);
@@ -226,7 +170,8 @@ TEST_P(Parts, AddUpToWhatOneProcessSeesAndCollectNothing) {
     const std::size_t processes = 2 + seed % 2;
     Meeting meeting(processes);
     std::vector<Seen> seen(processes);
-    std::vector<std::size_t> gathered(processes), gathered_whole(processes);
+    std::vector<std::size_t> gathered(processes), gathered_whole(processes), bonds(processes);
+    std::vector<char> same_bonds(processes);
     std::vector<std::thread> threads;
     for (std::size_t k = 0; k < processes; ++k)
       threads.emplace_back([&, k] {
@@ -236,13 +181,20 @@ TEST_P(Parts, AddUpToWhatOneProcessSeesAndCollectNothing) {
         const Simulation part(s.model, stage, &mine, std::move(share), process);
         seen[k] = look_at(plan, part);
         gathered[k] = process.largest_gather;
-        part.state();
+        bonds[k] = part.part().state.bonds.size();
+        const State& all = part.state();
+        same_bonds[k] = all.bonds == state.bonds && all.bond_history == state.bond_history &&
+                        all.warm_bonds == state.warm_bonds;
         gathered_whole[k] = process.largest_gather;
       });
     for (std::thread& t : threads) t.join();
 
+    // each has its own bonds and no others
+    EXPECT_EQ(std::accumulate(bonds.begin(), bonds.end(), std::size_t{0}), state.bonds.size());
+    EXPECT_EQ(std::count(bonds.begin(), bonds.end(), 0u), 0);
     const std::size_t places = s.model.particles() * sizeof(Vec3d);
     for (std::size_t k = 0; k < processes; ++k) {
+      EXPECT_TRUE(same_bonds[k]) << "seed " << seed;
       EXPECT_LT(gathered[k], places) << "seed " << seed;
       EXPECT_GE(gathered_whole[k], places) << "seed " << seed;
       ASSERT_EQ(seen[k].row.size(), whole.row.size());

@@ -76,13 +76,17 @@ TEST(BreaksInWords, AreReadFromTheFile) {
     plan.folder = folder.path();
     plan.breaks = true;
     BreaksWriter writer(plan, {});
-    BondEvent event{BondEvent::Kind::broken, BondId{1}, 1200};
+    const auto broken = [&chain](BondId k) {
+      return event_of(BondEvent::Kind::broken, chain.state.bonds[k], k, 1200);
+    };
+    BondEvent event = broken(BondId{1});
     event.cause = {BreakMode::shear, 2.0};
     event.failure = {0.1, 0.2, 0.3, 0.4, 0.5, 1.0};
     event.energy = 3.0;
-    writer.write(chain.state.clock, chain.state.bonds[BondId{1}], event, {});
+    writer.write(chain.state.clock, event, {});
+    event = broken(BondId{0});
     event.cause = {BreakMode::tension, 0.0};
-    for (int k = 0; k < 3; ++k) writer.write(chain.state.clock, chain.state.bonds[BondId{0}], event, {});
+    for (int k = 0; k < 3; ++k) writer.write(chain.state.clock, event, {});
   }
   const BreaksTold told = read_breaks(folder / "breaks.csv", 2);
   EXPECT_EQ(told.count, 4);

@@ -6,9 +6,11 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <thread>
 #include <variant>
 #include <vector>
 
+#include "dynamics/processes.hpp"
 #include "specimen.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/dynamics/simulation.hpp"
@@ -45,6 +47,7 @@ std::vector<ImageOf> ghosts(const std::vector<std::size_t>& numbers) {
 struct InParts {
   Folder folder;
   Chain chain{7};
+  testing::Meeting meeting{3};
 
   InParts() {
     State& s = chain.state;
@@ -58,9 +61,11 @@ struct InParts {
     fs::create_directory(folder / "frames");
     write_particles_vtp(folder / "p.vtp", chain.model, s, {}, format);
     write_bonds_vtp(folder / "b.vtp", s, UnitSystem::reduced, {}, format);
-    write({ids({3, 1, 2, 6}), ids({1, 3, 6}), ghosts({0, 4, 5})}, 0);
-    write({ids({0, 4, 5}), ids({0, 4, 5}), ghosts({1, 3, 6})}, 1);
-    write({}, 2);
+    std::vector<std::thread> processes;
+    processes.emplace_back([this] { write({ids({3, 1, 2, 6}), ids({1, 3, 6}), ghosts({0, 4, 5})}, 0); });
+    processes.emplace_back([this] { write({ids({0, 4, 5}), ids({0, 4, 5}), ghosts({1, 3, 6})}, 1); });
+    processes.emplace_back([this] { write({}, 2); });
+    for (std::thread& p : processes) p.join();
     write_lists_of_parts(folder.path(), 3, chain.model, s.clock.step, format);
   }
   fs::path list(const char* kind) const { return folder / name_of_parts(kind, chain.state.clock.step); }
@@ -74,8 +79,9 @@ struct InParts {
     stage.name = "pull";
     stage.dt = chain.state.clock.dt;
     State state = chain.state;
+    testing::Process process(meeting, static_cast<std::size_t>(part));
     const Simulation run(chain.model, stage, &state, {part_of(spatial_order(chain.model.r_0), holding)},
-                         one_rank());
+                         process);
     write_part(folder.path(), part, run, format);
   }
 };

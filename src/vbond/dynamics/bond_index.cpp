@@ -7,25 +7,25 @@
 
 namespace vbond {
 
-BondIndex::BondIndex(const Order& order, const PerBond<Bond>& bonds)
+BondIndex::BondIndex(const Order& order, const PerBond<Bond>& bonds, const PartBonds& of_part)
     : start_(order.row.size() + 1, 0), of_fibre_(particles_of_fibres(order.row.size(), bonds)) {
-  const auto is_left_out = [&order](const Bond& b) {
-    return b.broken || !(order.knows(b.i) || order.knows(b.j));
+  const auto for_known = [&](const auto& visit) {
+    for (const BondId k : bonds.ids())
+      if (const Bond& b = bonds[k]; !b.broken && (order.knows(b.i) || order.knows(b.j)))
+        visit(of_part.name(k), b.i, b.j, b.image_j);
+    for (const BondEnds& b : of_part.others) visit(b.name, b.i, b.j, b.image_j);
   };
-  for (const Bond& b : bonds) {
-    if (is_left_out(b)) continue;
-    ++start_[b.i.value + 1];
-    ++start_[b.j.value + 1];
-  }
+  for_known([this](BondId, ParticleId i, ParticleId j, const Image&) {
+    ++start_[i.value + 1];
+    ++start_[j.value + 1];
+  });
   std::partial_sum(start_.begin(), start_.end(), start_.begin());
   entries_.resize(start_.back());
   end_.assign(start_.begin(), start_.end() - 1);
-  for (const BondId b : bonds.ids()) {
-    const Bond& bond = bonds[b];
-    if (is_left_out(bond)) continue;
-    entries_[end_[bond.i.value]++] = {b, bond.j, true, bond.image_j};
-    entries_[end_[bond.j.value]++] = {b, bond.i, false, -bond.image_j};
-  }
+  for_known([this](BondId name, ParticleId i, ParticleId j, const Image& image_j) {
+    entries_[end_[i.value]++] = {name, j, true, image_j};
+    entries_[end_[j.value]++] = {name, i, false, -image_j};
+  });
 }
 
 void BondIndex::remove(BondId bond, ParticleId i, ParticleId j) {

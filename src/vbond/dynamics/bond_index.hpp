@@ -3,16 +3,17 @@
 #include <vector>
 
 #include "vbond/dynamics/order.hpp"
+#include "vbond/model/body_part.hpp"
 #include "vbond/model/state.hpp"
 
 namespace vbond {
 
-/// The unbroken bonds of each particle in order of creation: for asking who is bonded. Of a part of a body
-/// those of which it knows an end.
+/// The unbroken bonds of each particle: for asking who is bonded. In order of creation; of a part of a body
+/// those of which it knows an end, own ones first.
 class BondIndex {
  public:
   struct Entry {
-    BondId bond;
+    BondId bond;  ///< its number in the whole body
     ParticleId other;
     bool is_i;       ///< the particle is the bond's i
     Image of_other;  ///< which image of the other one it is bonded to
@@ -25,7 +26,7 @@ class BondIndex {
   };
 
   BondIndex() = default;
-  BondIndex(const Order& order, const PerBond<Bond>& bonds);
+  BondIndex(const Order& order, const PerBond<Bond>& bonds, const PartBonds& of_part = {});
 
   /// This bond between i and j is broken.
   void remove(BondId bond, ParticleId i, ParticleId j);

@@ -1,6 +1,7 @@
 #include "vbond/dynamics/bond_packs.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <tuple>
@@ -90,7 +91,7 @@ std::uint32_t BondPacks::number_of(const Bond& b) {
   return number;
 }
 
-void BondPacks::arrange(const State& state, const Order& order, const Team& team) {
+void BondPacks::arrange(const State& state, const Order& order, const Team& team, const Communicator& all) {
   *this = {};
   const PerBond<Bond>& bonds = state.bonds;
   for (const BondLaw* law : named_laws()) full_types_.push_back({law});
@@ -103,12 +104,12 @@ void BondPacks::arrange(const State& state, const Order& order, const Team& team
     if (expands) ++warm;
     const Kind kind =
         kind_of(bonds[b], expands);  // asked of broken ones too: kinds are numbered as they come
-    if (bonds[b].broken) continue;
+    if (bonds[b].broken || !order.has(bonds[b].i)) continue;
     note(bonds[b]);
     ++bonds_;
-    if (!order.has(bonds[b].i)) continue;
     sorted.push_back({lower_row(bonds[b], order), kind, b, expands});
   }
+  tell_each_other(all);
   std::sort(sorted.begin(), sorted.end(), [](const Sorted& a, const Sorted& b) {
     return std::tuple(a.block(), a.kind.compact, a.kind.type, a.row, a.bond) <
            std::tuple(b.block(), b.kind.compact, b.kind.type, b.row, b.bond);
@@ -171,6 +172,18 @@ void BondPacks::note(const Bond& b) {
   damp_ |= is_damped(b);
   remembers_ |= b.law->remembers();
   all_elastic_ &= !needs_rates(b) && !can_break(b);
+}
+
+/// What holds of the bonds of any part holds of the body: parts exchange the same.
+void BondPacks::tell_each_other(const Communicator& all) {
+  std::array<double, 4> any{reads_rates_ ? 1.0 : 0.0, damp_ ? 1.0 : 0.0, remembers_ ? 1.0 : 0.0,
+                            all_elastic_ ? 0.0 : 1.0};
+  all.max(any);
+  reads_rates_ = any[0] != 0.0, damp_ = any[1] != 0.0, remembers_ = any[2] != 0.0,
+  all_elastic_ = any[3] == 0.0;
+  auto bonds = static_cast<double>(bonds_);
+  all.sum({&bonds, 1});
+  bonds_ = static_cast<std::size_t>(bonds);
 }
 
 BondPacks::Run BondPacks::add_run(const Sorted* sorted, std::size_t count, const State& state,

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "vbond/core/communicator.hpp"
 #include "vbond/dynamics/bond_pack.hpp"
 #include "vbond/dynamics/order.hpp"
 #include "vbond/dynamics/rows.hpp"
@@ -25,9 +26,9 @@ inline std::size_t lower_row(const Bond& b, const Order& order) {
 /// block and all before it are done, the loads of that block's particles are complete.
 class BondPacks {
  public:
-  /// To be called whenever bonds were made. Broken bonds are left out; of a body in parts, bonds are the
-  /// concern of the part of their first particle.
-  void arrange(const State& state, const Order& order, const Team& team);
+  /// To be called whenever bonds were made, by all parts together. Broken bonds are left out; of a body in
+  /// parts, bonds are the concern of the part of their first particle.
+  void arrange(const State& state, const Order& order, const Team& team, const Communicator& all = alone());
 
   /// Adds what the bonds of lower parts do to the particles of this part, and to its images: first of all.
   void add_loads_from_below(const Part& part, BondSweep& sweep) { add_loads(from_below_[part.index], sweep); }
@@ -39,10 +40,13 @@ class BondPacks {
 
   /// The bond, which expands, has other lengths now.
   void take_lengths(BondId bond, const Bond& as_it_is);
-  /// This bond, of any part, does nothing any more. Its lane stays empty until the next arrange().
+  /// This bond does nothing any more. Its lane stays empty until the next arrange().
   void remove(BondId bond);
+  /// A bond of another part does nothing any more.
+  void remove_elsewhere() { ++removed_; }
   /// Whether so many lanes are empty that arranging anew pays.
   bool is_sparse() const { return removed_ > bonds_ / 8; }
+  /// These four are of the bonds of all parts.
   bool reads_rates() const { return reads_rates_; }
   bool damp() const { return damp_; }
   bool remembers() const { return remembers_; }
@@ -107,6 +111,7 @@ class BondPacks {
   Run add_run(const Sorted* sorted, std::size_t count, const State& state, const Order& order,
               const Part& own);
   void note(const Bond& bond);
+  void tell_each_other(const Communicator& all);
   void add_loads(const std::vector<Run>& runs, BondSweep& sweep);
   template <class F>
   void visit(const Run& run, F f) const;

@@ -122,7 +122,7 @@ std::vector<Bonding::Pair> Bonding::find(std::span<const PoseRow> pose, const Te
   return found;
 }
 
-void Bonding::unbonded(const Bond& b) {
+void Bonding::unbonded(ParticleId first, ParticleId second, const Image& image_j) {
   const auto list_pair = [this](Row i, const std::optional<Row>& j) {
     if (!j || std::max(i, *j).value >= order_.known || !is_worked_out_here(order_, i, *j)) return false;
     for (RuleList& list : rules_)
@@ -130,8 +130,8 @@ void Bonding::unbonded(const Bond& b) {
     return true;
   };
   // seen from one of its two, if it is a pair of a particle and an image
-  if (!list_pair(order_.row[b.i], order_.find(b.j, b.image_j)) && !b.image_j.is_itself())
-    list_pair(order_.row[b.j], order_.find(b.i, -b.image_j));
+  if (!list_pair(order_.row[first], order_.find(second, image_j)) && !image_j.is_itself())
+    list_pair(order_.row[second], order_.find(first, -image_j));
 }
 
 void Bonding::make(const std::vector<Pair>& pairs, State& state) {

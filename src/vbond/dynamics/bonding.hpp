@@ -42,9 +42,9 @@ class Bonding {
   /// (i, j, image). A pair whose own strength (Weibull's) does not bear the prestrain of the rule is left
   /// unbonded. One pose per row.
   std::vector<Pair> find(std::span<const PoseRow> pose, const Team& team);
-  /// This was the last bond between its two particles, and is broken: they are bonded again if they are still
-  /// close enough, in the next step as after a checkpoint.
-  void unbonded(const Bond& bond);
+  /// The last bond between i and this image of j is broken: they are bonded again if they are still close
+  /// enough, in the next step as after a checkpoint.
+  void unbonded(ParticleId i, ParticleId j, const Image& image_j);
   /// Bonds these pairs; the state is that of the poses in which they were found.
   /// Contact energy that a pair gives up because bonded pairs do not touch is booked as dissipated.
   /// Throws Diverged if a bond would have no length, or if the new bonds make the step too large and the case

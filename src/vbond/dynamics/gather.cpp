@@ -72,7 +72,7 @@ void sum_values(State& state, const Exchange& exchange) {
 }
 
 void gather_owned(State& state, const std::vector<ParticleId>& own_particles,
-                  const std::vector<BondId>& own_bonds, const Exchange& exchange) {
+                  const std::vector<BondId>& own_bonds, bool has_all_bonds, const Exchange& exchange) {
   Bring<ParticleId> bring_particles(own_particles, exchange);
   Bring<BondId> bring_bonds(own_bonds, exchange);
   for_each_table(state_table, [&]<class Table>(const Table& table) {
@@ -91,7 +91,7 @@ void gather_owned(State& state, const std::vector<ParticleId>& own_particles,
           if ((of.*f.value).empty()) return;
           if constexpr (is_particle_column<Value>)
             bring_particles(of.*f.value);
-          else
+          else if (has_all_bonds)
             bring_bonds(of.*f.value);
         }
       });

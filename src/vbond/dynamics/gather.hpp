@@ -12,8 +12,8 @@ namespace vbond {
 void sum_values(State& state, const Exchange& exchange);
 
 /// What belongs to particles and bonds, and what parts list, comes to all parts. What is this part's own has
-/// been collected from its rows.
+/// been collected from its rows. has_all_bonds: else bonds are left as they are.
 void gather_owned(State& state, const std::vector<ParticleId>& own_particles,
-                  const std::vector<BondId>& own_bonds, const Exchange& exchange);
+                  const std::vector<BondId>& own_bonds, bool has_all_bonds, const Exchange& exchange);
 
 }  // namespace vbond

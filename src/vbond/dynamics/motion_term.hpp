@@ -26,6 +26,8 @@ class MotionHost {
   virtual void lose(std::size_t block, const TouchLosses<double>& to_touches) = 0;
   /// The potential energy of what is worked out here.
   virtual double potential_energy() const = 0;
+  /// What bonds that are worked out here have dissipated by flow, as the state remembers.  [energy]
+  virtual double flowed() const = 0;
   /// All loads, anew and between steps: rates are those of now, and nothing is remembered of them.
   virtual void evaluate_loads() = 0;
   /// Leaves in the rows what loads of the stage do as the step begins, and nothing else.

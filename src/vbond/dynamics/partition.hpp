@@ -26,6 +26,8 @@ struct Acquaintance {
   bool knows_all = false;
 };
 Acquaintance acquaintance(const Model& model, const Stage& stage, const State& state);
+/// The second of these. Else the state of a process has its own bonds alone.
+bool knows_all(const Model& model, const Stage& stage, const State& state);
 
 /// Spreads the particles of a body over processes, which exchange what they need of each other. All processes
 /// call these functions at the same time, with the same whole state.

@@ -109,7 +109,7 @@ void Simulation::end_step() {
   }
   ++state_.clock.step;
   ++state_.clock.stage_step;  // time is counted, not summed
-  shown_ = Shown::nothing;
+  has_changed();
   survey_.reset();
   for (MotionTerm* t : terms_.all()) t->end_step(stage_.dt);
 }
@@ -267,6 +267,21 @@ void Simulation::lose(std::size_t block, const TouchLosses<double>& to_touches) 
   lose(block, Loss::friction, to_touches.friction);
   lose(block, Loss::rolling, to_touches.rolling);
   lose(block, Loss::adhesion, to_touches.adhesion);
+}
+
+/// Shares out what the damping of bonds has taken in the step: as the powers of the channels in its middle
+/// are.
+void Simulation::share_damping(Losses& lost) const {
+  Losses power;
+  for (const DampedPower& of_block : damped_)
+    for (std::size_t k = 0; k < std::size(DampedPower::causes); ++k)
+      power[DampedPower::causes[k]] += of_block.of[k];
+  double taken = lost[Loss::bond_damping];
+  exchange_.sum(power.of);  // the shares are those of the whole body
+  exchange_.sum({&taken, 1});
+  const double all = power.sum();
+  if (!(all > 0.0)) return;
+  for (const Loss cause : DampedPower::causes) lost[cause] = leads() ? taken * (power[cause] / all) : 0.0;
 }
 
 void Simulation::close_books() {

@@ -25,6 +25,7 @@
 #include "vbond/dynamics/handover.hpp"
 #include "vbond/dynamics/kernel.hpp"
 #include "vbond/dynamics/observer.hpp"
+#include "vbond/dynamics/part_bonds.hpp"
 #include "vbond/dynamics/partition.hpp"
 #include "vbond/dynamics/step_times.hpp"
 #include "vbond/dynamics/supports.hpp"
@@ -141,6 +142,7 @@ class Simulation final : public BodyView, private MotionHost {
   const Model& model() const override { return model_; }
   const State& state() const override;
   BodyPart part(double near = 0.0, bool ends_of_broken = false) const override;
+  BodyPart bonded() const override;
   const Survey& survey() const override;
   const EnergyBooks& books() const override;
   double balance_error() const override;
@@ -164,6 +166,7 @@ class Simulation final : public BodyView, private MotionHost {
     BondLoads<double> loads;
   };
 
+  struct Breaking;
   struct Broken;
 
   const State& known() const override { return state_; }
@@ -175,8 +178,10 @@ class Simulation final : public BodyView, private MotionHost {
   bool break_bonds();
   void add_joints_that_part(std::vector<BondId>& broken) const;
   Broken broken_now(BondId bond);
-  Contacts::Touch touch_of_unbonded(const Bond& bond);
-  void leave_faces(const Bond& bond, const BondPose<double>& pose, Broken& broken);
+  void broken_elsewhere(const Breaking& breaks);
+  Contacts::Touch part_pair(const BondEnds& bond);
+  Contacts::Touch touch_of_unbonded(const BondEnds& bond);
+  void leave_faces(BondId bond, const BondPose<double>& pose, Broken& broken);
   void take_out(const Broken& broken);
   void take_up_loads();
   bool has_only_elastic_bonds() const;
@@ -215,6 +220,7 @@ class Simulation final : public BodyView, private MotionHost {
   void lose(std::size_t block, const TouchLosses<double>& to_touches) override;
   void lose_particle(const LostParticle& lost) override { lost_particles_.push_back(lost); }
   double potential_energy() const override { return survey_here().energies.potential(); }
+  double flowed() const override { return dissipated_by_flow(bonded()); }
   void lengths_have_changed() override { survey_.reset(); }
   bool anything_dissipates() const { return inelastic() || anything_touches() || damping_.is_drag(); }
   void tell_of_lost();
@@ -266,7 +272,11 @@ class Simulation final : public BodyView, private MotionHost {
   double way_of_images(const CellEdges& edges) const;
   std::array<Vec3d, 3> force_on_images() const;
   void show_own() const;
+  State& collected() const;
+  /// What state_ shows is no longer as of now.
+  void has_changed() { shown_ = Shown::nothing, whole_.reset(); }
   void show_ends_of_broken() const;
+  BodyPart own_part(std::vector<ParticleId> near) const;
   std::vector<ParticleId> near_own(double reach) const;
   void diverge(std::size_t first_particle, const std::string& who, const std::string& what,
                const std::string& way_out) const override;
@@ -335,6 +345,9 @@ class Simulation final : public BodyView, private MotionHost {
   StepTimes times_;
   // of a part
   mutable PerParticle<char> is_own_;        // for part(); empty: not asked for yet
+  PartBonds part_bonds_;                    // what state_ has of the bonds
+  SharedByBonds shared_;                    // by those of the whole body
+  mutable std::optional<State> whole_;      // of the whole body, where state_ has own bonds and all is shown
   mutable std::optional<Failed> failed_;    // first of all
   std::vector<Vec3d> r_begin_;              // of the rows that it moves
   CellEdges cell_begin_;                    // and the edges then

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -79,7 +80,10 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
     team_.give_images([this](const Part& p) { return images_.rows_of(p.first_block, p.last_block); });
   books_.resize(all_known().blocks());
   lost_.resize(all_known().blocks());
+  std::optional<BondsOfState> of_whole;  // until the stage has begun
   try {
+    if (is_part_ && exchange_.ranks() > 1 && !knows_all(model, stage_, state_))
+      of_whole = keep_own_bonds(state_, bonded(), bodies_.order, part_bonds_, shared_);
     const bool begun = (is_part_ && !share.begins) || state_.clock.stage_step != 0;
     if (!leads()) {  // parts add up
       booked_ = {.largest = booked_.largest};
@@ -102,7 +106,9 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
     else
       begin_stage();
     note_where_it_begins();
+    if (of_whole) has_changed();  // it was whole
   } catch (...) {
+    if (of_whole) of_whole->give_back(state_);
     *state = std::move(state_);
     throw;
   }
@@ -116,14 +122,14 @@ void Simulation::begin_stage() {
   evaluate_loads();
   if (cell_.any()) cell_.look(team_);
   if (run_begins) {
-    const EnergyBooks opened = opened_books(state_, energies().total());
+    const EnergyBooks opened = opened_books(bonded(), energies().total());
     booked_ = leads() ? opened : EnergyBooks{.largest = opened.largest};
   }
   for (MotionTerm* t : terms_.all()) t->begin_stage();
   supports_.set_times(0, stage_.dt);
   team_.for_blocks(
       [&](const Block& b) { books_[b.index] = {.work_supports = supports_.hold(b, Instant::start)}; });
-  shown_ = Shown::nothing;
+  has_changed();
   survey_.reset();
   close_books();
 }
@@ -162,7 +168,7 @@ void Simulation::apply_loads_alone() {
 }
 
 void Simulation::particles_jumped() {
-  shown_ = Shown::nothing;
+  has_changed();
   last_way_ = std::numeric_limits<double>::infinity();
   evaluate_loads();
 }

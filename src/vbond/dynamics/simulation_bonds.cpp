@@ -1,6 +1,7 @@
 // The part of a simulation that bonds change by, and what those that damp take out.
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "vbond/dynamics/simulation.hpp"
@@ -11,10 +12,17 @@ namespace {
 
 /// Energies of bonds near rest are differences of terms of the size of B2, B3 and B4, known to some 1e-16 of
 /// them: an energy a thousand roundings large is the least that an error can sensibly be compared with.
-double scale_of_rounding(const PerBond<Bond>& bonds) {
+double scale_of_rounding(const BodyPart& body) {
   double sum = 0.0;
-  for (const Bond& b : bonds) sum += angular_scale(b);
+  for (const Bond& b : body.state.bonds)
+    if (body.has(b)) sum += angular_scale(b);
+  body.all.sum({&sum, 1});
   return 1e3 * std::numeric_limits<double>::epsilon() * sum;
+}
+
+/// Whether a bond that breaks cracks: its faces rub from now on.
+bool cracks(const Bond& b) {
+  return b.law->crack != nullptr && !is_cracked(b);
 }
 
 void take_away(const BondLoads<double>& l, LoadRow& i, LoadRow& j) {
@@ -28,7 +36,7 @@ void take_away(const BondLoads<double>& l, LoadRow& i, LoadRow& j) {
 
 /// The order of bonds in packs, what is known of them, and what they remember.
 void Simulation::arrange_bonds() {
-  bonds_.arrange(state_, bodies_.order, all_known());
+  bonds_.arrange(state_, bodies_.order, all_known(), exchange_);
   if (bonds_.remembers() || !state_.bond_history.empty())  // those that are broken keep theirs
     state_.bond_history.resize(state_.bonds.size());
   const bool others = damping_.is_local();
@@ -43,8 +51,8 @@ void Simulation::arrange_bonds() {
 
 void Simulation::bonds_changed() {
   arrange_bonds();
-  bond_index_ = BondIndex(bodies_.order, state_.bonds);
-  rounding_scale_ = scale_of_rounding(state_.bonds);
+  bond_index_ = BondIndex(bodies_.order, state_.bonds, part_bonds_);
+  rounding_scale_ = scale_of_rounding(bonded());
   contacts_.bonds_changed();
   capsules_.bonds_changed(state_.bonds);
   for (const Bond& b : state_.bonds)
@@ -59,26 +67,27 @@ void Simulation::make_bonds() {
   if (stage_.bonding.empty()) return;
   const std::vector<Bonding::Pair> pairs = bonding_.find(bodies_.poses(), all_known());
   if (pairs.empty()) return;
-  state();  // brought up to date
-  const std::size_t first = state_.bonds.size();
+  State& s = collected();  // all of it, in all parts
+  const std::size_t first = s.bonds.size();
   const bool capsules =
       capsules_.any() || std::any_of(pairs.begin(), pairs.end(), [this](const Bonding::Pair& p) {
         return bonding_.recipe(p.rule).capsule;
       });
   const EnergyBooks before = booked_;
-  const double U = capsules ? contact_energy() : 0.0, flowed = capsules ? dissipated_by_flow(state_) : 0.0;
+  const double U = capsules ? contact_energy() : 0.0, flowed = capsules ? dissipated_by_flow(s) : 0.0;
   if (contacts_.are_touches() && model_.contact.pairs == ContactPairs::unbonded)
     for (const auto& [rule, i, j, image] : pairs)  // add_bond() books the energy of their repulsion alone
       if (const Order& order = bodies_.order; order.has(i))
         booked_.lose(Loss::bonding, contacts_.energy(order.row[i], order.row_of(j, image), bodies_) -
-                                        contact_pair_energy(model_, state_, i, j, image));
-  state_.books = booked_;
+                                        contact_pair_energy(model_, s, i, j, image));
+  s.books = booked_;
   books_ahead_ = true;
-  bonding_.make(pairs, state_);
-  if (leads()) booked_ = state_.books;  // all parts have booked the same
-  const double flowed_now = capsules ? dissipated_by_flow(state_) - flowed : 0.0;  // by their prestrain
-  for (std::size_t k = first; k < state_.bonds.size(); ++k)
-    events_.push_back({BondEvent::Kind::made, BondId{k}, state_.clock.step});
+  bonding_.make(pairs, s);
+  if (leads()) booked_ = s.books;  // all parts have booked the same
+  const double flowed_now = capsules ? dissipated_by_flow(s) - flowed : 0.0;  // by their prestrain
+  for (std::size_t k = first; k < s.bonds.size(); ++k)
+    events_.push_back(event_of(BondEvent::Kind::made, s.bonds[BondId{k}], BondId{k}, s.clock.step));
+  if (whole_) take_up_bonds(*whole_, first, bodies_.order, state_, part_bonds_, shared_);
   bonds_changed();
   evaluate_loads();
   if (cell_.any()) cell_.look(team_);
@@ -109,6 +118,8 @@ void Simulation::take_up_loads() {
 struct Simulation::Broken {
   bool cracked = false;  // its faces rub from now on
   bool parted = false;   // they did, and part: not told as another break
+  bool damped = false;
+  Image image_j;
   BondEvent event;
   BondLoads<double> loads;    // with its damping, less those of the contact that this makes of them
   BondLoads<double> damping;  // of these
@@ -116,22 +127,35 @@ struct Simulation::Broken {
   Vec3d r_ij;
 };
 
+/// The same, as all parts are told first.
+struct Simulation::Breaking {
+  BondId bond;  // in the whole body
+  bool cracks;
+};
+
 /// The bonds that the loads of this step have broken, in the order of bonds: a bond's force ends with the
 /// step in which it reached the limit, and so does its share of the energy.
 /// Whether there are any.
 bool Simulation::break_bonds() {
-  std::vector<BondId> broken;
+  std::vector<BondId> here;
   for (std::vector<BondId>& of_part : breaking_) {
-    broken.insert(broken.end(), of_part.begin(), of_part.end());
+    here.insert(here.end(), of_part.begin(), of_part.end());
     of_part.clear();
   }
-  add_joints_that_part(broken);
+  add_joints_that_part(here);
+  std::vector<Breaking> broken;
+  for (const BondId k : here) broken.push_back({part_bonds_.name(k), cracks(state_.bonds[k])});
   broken = exchange_.gather(broken);
   if (broken.empty()) return false;
-  std::sort(broken.begin(), broken.end());
+  std::sort(broken.begin(), broken.end(), [](const auto& a, const auto& b) { return a.bond < b.bond; });
   std::vector<Broken> records;
-  for (const BondId k : broken)
-    if (const Broken record = broken_now(k); bodies_.order.has(state_.bonds[k].i)) records.push_back(record);
+  for (const Breaking& b : broken) {
+    const std::optional<BondId> k = part_bonds_.find(b.bond);
+    if (!k)
+      broken_elsewhere(b);
+    else if (const Broken record = broken_now(*k); bodies_.order.has(state_.bonds[*k].i))
+      records.push_back(record);
+  }
   records = exchange_.gather(records);
   std::sort(records.begin(), records.end(),
             [](const Broken& a, const Broken& b) { return a.event.bond < b.event.bond; });
@@ -151,10 +175,13 @@ void Simulation::add_joints_that_part(std::vector<BondId>& broken) const {
   for (std::size_t k = 0, first = broken.size(); k < first; ++k) {
     const Bond& parts = state_.bonds[broken[k]];
     if (!is_cracked(parts)) continue;
-    for (const BondIndex::Entry& e : bond_index_.of(parts.i))
-      if (const Bond& b = state_.bonds[e.bond]; is_cracked(b) && b.set == parts.set && b.i == parts.i &&
-                                                b.j == parts.j && b.image_j == parts.image_j)
-        broken.push_back(e.bond);
+    for (const BondIndex::Entry& e : bond_index_.of(parts.i)) {
+      if (!e.is_i) continue;  // those of its first particle are here
+      const BondId other = part_bonds_.find(e.bond).value();
+      if (const Bond& b = state_.bonds[other];
+          is_cracked(b) && b.set == parts.set && b.j == parts.j && b.image_j == parts.image_j)
+        broken.push_back(other);
+    }
   }
   std::sort(broken.begin(), broken.end());
   broken.erase(std::unique(broken.begin(), broken.end()), broken.end());
@@ -182,13 +209,15 @@ void Simulation::exchange_capsules() {
   if (leads()) booked_.released += U - capsules_.energy();
 }
 
-/// From here on it is broken for all who ask. Nothing else is worked out of a bond of another part.
+/// From here on it is broken for all who ask.
 Simulation::Broken Simulation::broken_now(BondId k) {
   Bond& b = state_.bonds[k];
+  const BondId name = part_bonds_.name(k);
   Broken broken{};
-  broken.event.bond = k;
-  broken.cracked = b.law->crack != nullptr && !is_cracked(b);
+  broken.cracked = cracks(b);
   broken.parted = is_cracked(b);
+  broken.damped = is_damped(b);
+  broken.image_j = b.image_j;
   if (bodies_.order.has(b.i)) {
     const Row i = bodies_.order.row_i(b), j = bodies_.order.row_j(b);
     broken.r_ij = bodies_.between(i, j);
@@ -196,8 +225,8 @@ Simulation::Broken Simulation::broken_now(BondId k) {
     BondHistory history = no_history;
     if (b.law->remembers()) history = state_.bond_history[k] = bonds_.history(k);
     broken.loads = b.law->loads(b, pose, history);
-    broken.event = breaking_event(b, k, state_.clock.step, bodies_.pose[i.value].r, pose, history);
-    if (is_damped(b)) {
+    broken.event = breaking_event(b, name, state_.clock.step, bodies_.pose[i.value].r, pose, history);
+    if (broken.damped) {
       const MotionRow &rate_i = bodies_.rates[i.value], &rate_j = bodies_.rates[j.value];
       const BondRates<double> rates{rate_j.v - rate_i.v, rate_i.omega, rate_j.omega};
       const BondLoads<double>& damping = broken.damping = b.law->damping_loads(b, pose, rates);
@@ -205,26 +234,47 @@ Simulation::Broken Simulation::broken_now(BondId k) {
                       broken.loads.M_ji + damping.M_ji};
     }
     broken.released = broken.event.energy;
-    if (broken.cracked) leave_faces(b, pose, broken);
+    if (broken.cracked) leave_faces(k, pose, broken);
   }
   if (broken.cracked) return broken;
   bonds_.remove(k);
   b.broken = true;
-  bond_index_.remove(k, b.i, b.j);
   std::erase(peak_bonds_, k);
-  Contacts::Touch touch;
-  if (!bond_index_.bonded(b.i, b.j, b.image_j)) {
-    touch = touch_of_unbonded(b);
-    bonding_.unbonded(b);
-  }
+  const Contacts::Touch touch = part_pair({name, b.i, b.j, b.image_j});
   broken.loads.F -= touch.force;
   broken.released -= touch.energy;
   return broken;
 }
 
+/// A bond that another part works out: nobody here may take the two for bonded any more.
+void Simulation::broken_elsewhere(const Breaking& breaks) {
+  std::vector<BondEnds>& others = part_bonds_.others;
+  const auto at = std::lower_bound(others.begin(), others.end(), breaks.bond,
+                                   [](const BondEnds& b, BondId name) { return b.name < name; });
+  const bool known = at != others.end() && at->name == breaks.bond;
+  if (breaks.cracks) {
+    if (known) at->cracked = true;
+    return;
+  }
+  bonds_.remove_elsewhere();
+  if (!known) return;
+  const BondEnds ends = *at;
+  others.erase(at);
+  part_pair(ends);
+}
+
+/// The bond holds the two no more: what contact makes of them if it was the last, on the bond's first one.
+Contacts::Touch Simulation::part_pair(const BondEnds& b) {
+  bond_index_.remove(b.name, b.i, b.j);
+  if (bond_index_.bonded(b.i, b.j, b.image_j)) return {};
+  const Contacts::Touch touch = touch_of_unbonded(b);
+  bonding_.unbonded(b.i, b.j, b.image_j);
+  return touch;
+}
+
 /// The bond cracks: what its faces still carry is not taken off.
-void Simulation::leave_faces(const Bond& b, const BondPose<double>& pose, Broken& broken) {
-  const BondId k = broken.event.bond;
+void Simulation::leave_faces(BondId k, const BondPose<double>& pose, Broken& broken) {
+  const Bond& b = state_.bonds[k];
   const BondHistory history = state_.bond_history[k] = b.law->crack(b, pose, state_.bond_history[k]);
   bonds_.put_history(k, history);
   const BondLoads<double> left = b.law->loads(b, pose, history);
@@ -236,7 +286,7 @@ void Simulation::leave_faces(const Bond& b, const BondPose<double>& pose, Broken
 /// Lists the two for contact, now that no bond is between them, and returns what contact makes of them, on
 /// the bond's first one. They are listed where their contact is worked out: where the first is and an image
 /// of the second, or the other way round.
-Contacts::Touch Simulation::touch_of_unbonded(const Bond& b) {
+Contacts::Touch Simulation::touch_of_unbonded(const BondEnds& b) {
   const Order& order = bodies_.order;
   const Row i = order.row[b.i], j = order.row[b.j];
   if (b.image_j.is_itself()) return contacts_.unbonded(i, j, bodies_);
@@ -250,38 +300,21 @@ Contacts::Touch Simulation::touch_of_unbonded(const Bond& b) {
 
 /// Takes it off the particles that are moved here, and tells of it.
 void Simulation::take_out(const Broken& broken) {
-  Bond& b = state_.bonds[broken.event.bond];
-  if (!broken.parted) b.mode = broken.event.cause.mode;
+  const ParticleId i = broken.event.i, j = broken.event.j;
+  if (const auto k = part_bonds_.find(broken.event.bond); k && !broken.parted)
+    state_.bonds[*k].mode = broken.event.cause.mode;
   const auto take = [&](std::vector<LoadRow>& load, const BondLoads<double>& loads) {
-    take_away(loads, load[bodies_.order.row[b.i].value], load[bodies_.order.row[b.j].value]);
-    for (const ParticleId p : {b.i, b.j})
+    take_away(loads, load[bodies_.order.row[i].value], load[bodies_.order.row[j].value]);
+    for (const ParticleId p : {i, j})
       if (!bodies_.order.has(p)) load[bodies_.order.row[p].value] = {};
   };
-  if (is_damped(b)) take(bodies_.damping, broken.damping);
+  if (broken.damped) take(bodies_.damping, broken.damping);
   take(bodies_.load, broken.loads);
-  taken_.push_back({b.i, b.j, broken.loads});
-  if (cell_.any()) cell_.take_out(broken.r_ij, b.image_j, broken.loads.F, broken.damping.F);
-  if (bodies_.order.has(b.i)) booked_.released += broken.released;
+  taken_.push_back({i, j, broken.loads});
+  if (cell_.any()) cell_.take_out(broken.r_ij, broken.image_j, broken.loads.F, broken.damping.F);
+  if (bodies_.order.has(i)) booked_.released += broken.released;
   if (!broken.parted) events_.push_back(broken.event);
   survey_.reset();
-}
-
-Reaction Simulation::reaction_before_breaks(const std::vector<ParticleId>& particles) const {
-  Reaction total = reaction_here(particles);
-  const std::vector<char> grips = whole_free_grips(particles);
-  for (const Hold& h : supports_.holds()) {
-    if (!std::binary_search(particles.begin(), particles.end(), h.particle)) continue;
-    const Row row = bodies_.order.row[h.particle];
-    const bool whole = grips[h.support] != 0;
-    for (const TakenLoads& t : taken_) {
-      if (t.i == h.particle) add_held(h, whole, row, -t.loads.F, -t.loads.M_ij, total);
-      if (t.j == h.particle) add_held(h, whole, row, t.loads.F, -t.loads.M_ji, total);
-    }
-    auto s = std::lower_bound(taken_shares_.begin(), taken_shares_.end(), row.value,
-                              [](const Capsules::Share& x, std::size_t first) { return x.row < first; });
-    for (; s != taken_shares_.end() && s->row == row.value; ++s) add_held(h, whole, row, -s->F, -s->M, total);
-  }
-  return summed_over_parts(total);
 }
 
 /// Books the work that damping does on a block in a kick by h: its part of the loads, along the mean of the
@@ -300,21 +333,6 @@ void Simulation::book_damping(const Block& b, double h, const Tensor& flow) {
   const std::vector<LoadRow>& loads = bonds_.damp() ? bodies_.local_damping : bodies_.damping;
   for (std::size_t k = b.rows.first; k < std::min(b.rows.last, bodies_.order.own); ++k)
     lose(b.index, Loss::local_damping, h * dot(loads[k].F, vbond::times(flow, bodies_.pose[k].r)));
-}
-
-/// Shares out what the damping of bonds has taken in the step: as the powers of the channels in its middle
-/// are.
-void Simulation::share_damping(Losses& lost) const {
-  Losses power;
-  for (const DampedPower& of_block : damped_)
-    for (std::size_t k = 0; k < std::size(DampedPower::causes); ++k)
-      power[DampedPower::causes[k]] += of_block.of[k];
-  double taken = lost[Loss::bond_damping];
-  exchange_.sum(power.of);  // the shares are those of the whole body
-  exchange_.sum({&taken, 1});
-  const double all = power.sum();
-  if (!(all > 0.0)) return;
-  for (const Loss cause : DampedPower::causes) lost[cause] = leads() ? taken * (power[cause] / all) : 0.0;
 }
 
 /// Keeps the velocities of this moment while the block moves on: those of the half step for bonds that read

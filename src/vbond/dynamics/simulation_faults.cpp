@@ -48,11 +48,12 @@ void Simulation::check_finite() const {
     if (!bodies_.order.has(p) || (is_finite(load.F) && is_finite(load.M))) continue;
     if (bonds_.remembers()) bonds_.collect(state_.bond_history);
     for (const BondIndex::Entry& e : bond_index_.of(p)) {
-      const Bond& b = state_.bonds[e.bond];
-      if (!bodies_.order.has(b.i)) continue;
+      const std::optional<BondId> k = part_bonds_.find(e.bond);
+      if (!k || !bodies_.order.has(state_.bonds[*k].i)) continue;
+      const Bond& b = state_.bonds[*k];
       const std::string bond = "bond " + std::to_string(e.bond.value) + " (particles " +
                                std::to_string(b.i.value) + ", " + std::to_string(b.j.value) + ")";
-      if (b.law->remembers() && has_lost_its_flow(state_.bond_history[e.bond]))
+      if (b.law->remembers() && has_lost_its_flow(state_.bond_history[*k]))
         return diverge(p.value, bond,
                        "its flow does not bring its loads to their limits, which they are far beyond",
                        "reduce time.step (or time.fraction), or load more slowly");

@@ -136,16 +136,19 @@ double Simulation::reach() const {
   return may_meet() ? std::max(contacts_.reach(), bonding_.reach()) : 0.0;
 }
 
+bool knows_all(const Model& model, const Stage& stage, const State& state) {
+  return any_capsules(model.contact, state.bonds) ||
+         std::any_of(stage.bonding.begin(), stage.bonding.end(),
+                     [](const BondingRule& rule) { return rule.recipe.capsule; });
+}
+
 Acquaintance acquaintance(const Model& model, const Stage& stage, const State& state) {
   const Order nobody;
   const BondIndex none;
-  const bool capsules = any_capsules(model.contact, state.bonds);
-  const bool to_come = std::any_of(stage.bonding.begin(), stage.bonding.end(),
-                                   [](const BondingRule& rule) { return rule.recipe.capsule; });
   const Contacts contacts(model, nobody, none);
-  const bool may_meet = contacts.any() || capsules || !stage.bonding.empty();
+  const bool may_meet = contacts.any() || any_capsules(model.contact, state.bonds) || !stage.bonding.empty();
   return {may_meet ? std::max(contacts.reach(), Bonding(model, stage, nobody, none).reach()) : 0.0,
-          capsules || to_come};
+          knows_all(model, stage, state)};
 }
 
 /// Images that may come near are as many edges away as particles lie apart, and what may meet reaches.
@@ -215,11 +218,20 @@ BodyPart Simulation::part(double near, bool ends_of_broken) const {
   show_own();
   if (!is_part_) return state_;
   if (ends_of_broken) show_ends_of_broken();
+  return own_part(near > 0.0 ? near_own(near) : std::vector<ParticleId>{});
+}
+
+BodyPart Simulation::bonded() const {
+  if (!is_part_) return state_;
+  return own_part({});
+}
+
+BodyPart Simulation::own_part(std::vector<ParticleId> near) const {
   const Order& order = bodies_.order;
   if (is_own_.empty())
     for (const ParticleId p : order.row.ids())  // nobody moves those that are absent
       is_own_.push_back(order.has(p) || (leads() && is_absent(state_, p)));
-  return {state_, is_own_, near > 0.0 ? near_own(near) : std::vector<ParticleId>{}, exchange_};
+  return {state_, is_own_, part_bonds_, std::move(near), exchange_};
 }
 
 /// Ghosts are near enough where what may meet reaches so far; else parts ask each other.

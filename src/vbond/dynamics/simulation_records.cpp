@@ -155,6 +155,11 @@ double Simulation::balance_error() const {
 }
 
 const State& Simulation::state() const {
+  return collected();
+}
+
+/// All of it. Of a part that has own bonds alone a copy, until the body moves on.
+State& Simulation::collected() const {
   show_own();
   if (std::exchange(shown_, Shown::all) != Shown::all) {
     const bool loads_follow = bonds_.all_elastic() && !contacts_.are_touches() && !capsules_.any() &&
@@ -162,10 +167,16 @@ const State& Simulation::state() const {
     state_.loads = loads_follow ? Loads{} : loads();
     state_.damping = bodies_.damping.empty() ? Loads{} : bodies_.collect(bodies_.damping);
     state_.local_damping = bodies_.local_damping.empty() ? Loads{} : bodies_.collect(bodies_.local_damping);
-    if (is_part_) gather_owned(state_, own_particles(), own_bonds(), exchange_);
+    if (is_part_) gather_owned(state_, own_particles(), own_bonds(), !part_bonds_.own_alone, exchange_);
+    if (part_bonds_.own_alone) whole_.emplace(with_all_bonds(state_, part_bonds_, shared_, exchange_));
   }
   books();
-  return state_;
+  if (!whole_) return state_;
+  whole_->clock = state_.clock;
+  whole_->books = state_.books;
+  whole_->grips = state_.grips;
+  whole_->sources = state_.sources;
+  return *whole_;
 }
 
 /// What this process knows of particles, bonds and pairs, but for loads.
@@ -182,8 +193,7 @@ void Simulation::show_own() const {
 }
 
 State Simulation::take_state() && {
-  state();
-  return std::move(state_);
+  return std::move(collected());
 }
 
 /// Of parts the sum of what each has booked.
@@ -223,6 +233,24 @@ Reaction Simulation::reaction_here(const std::vector<ParticleId>& particles) con
   return total;
 }
 
+Reaction Simulation::reaction_before_breaks(const std::vector<ParticleId>& particles) const {
+  Reaction total = reaction_here(particles);
+  const std::vector<char> grips = whole_free_grips(particles);
+  for (const Hold& h : supports_.holds()) {
+    if (!std::binary_search(particles.begin(), particles.end(), h.particle)) continue;
+    const Row row = bodies_.order.row[h.particle];
+    const bool whole = grips[h.support] != 0;
+    for (const TakenLoads& t : taken_) {
+      if (t.i == h.particle) add_held(h, whole, row, -t.loads.F, -t.loads.M_ij, total);
+      if (t.j == h.particle) add_held(h, whole, row, t.loads.F, -t.loads.M_ji, total);
+    }
+    auto s = std::lower_bound(taken_shares_.begin(), taken_shares_.end(), row.value,
+                              [](const Capsules::Share& x, std::size_t first) { return x.row < first; });
+    for (; s != taken_shares_.end() && s->row == row.value; ++s) add_held(h, whole, row, -s->F, -s->M, total);
+  }
+  return summed_over_parts(total);
+}
+
 /// Of each support: whether it is a grip that is free in part and has all its particles among these.
 std::vector<char> Simulation::whole_free_grips(const std::vector<ParticleId>& particles) const {
   std::vector<char> whole;
@@ -259,7 +287,7 @@ std::vector<BondId> Simulation::bonds_inside(const std::vector<ParticleId>& part
   for (const ParticleId p : particles)
     for (const BondIndex::Entry& e : bond_index_.of(p))
       if (e.is_i && bodies_.order.has(p) && std::binary_search(particles.begin(), particles.end(), e.other))
-        inside.push_back(e.bond);
+        inside.push_back(part_bonds_.find(e.bond).value());
   return inside;
 }
 

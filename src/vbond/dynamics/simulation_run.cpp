@@ -116,7 +116,7 @@ void Simulation::take_over(Simulation& before, const Passage& passed) {
   if (!passed.events.empty()) steps_to_look_ = 1;
   if (passed.lost) {
     encounters_.take(before.encounters_, state_.dropped);
-    shown_ = Shown::nothing;  // the state has no loads yet
+    has_changed();  // the state has no loads yet
     steps_to_look_ = 0;
   }
   if (passed.changed) book(passed, energies().total() - before.energies().total());

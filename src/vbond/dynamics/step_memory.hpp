@@ -15,8 +15,9 @@ struct MemoryUse {
 /// particle, as a mean over all.
 MemoryUse memory_use(const Model& model, const State& state);
 
-/// What each of so many ranks, >= 1, takes at least in the time loop: all have model and state of the whole
-/// body; rows of particles, constants and index of bonds are shared out.  [bytes]
+/// What each of so many ranks, >= 1, takes at least as the time loop begins, and as State is collected: all
+/// have model and state of the whole body then; rows of particles, constants and index of bonds are shared
+/// out.  [bytes]
 double memory_of_each_rank(const Model& model, const State& state, int ranks);
 
 }  // namespace vbond

@@ -1,5 +1,8 @@
 #pragma once
+#include <algorithm>
 #include <array>
+#include <cstddef>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -9,6 +12,31 @@
 
 namespace vbond {
 
+/// A bond of another process that is not broken: what is known here of one of its ends.
+struct BondEnds {
+  BondId name;  ///< its number in the whole body
+  ParticleId i, j;
+  Image image_j{};
+  bool cracked = false;
+};
+
+/// What the state of a part has of the bonds of the body.
+struct PartBonds {
+  bool own_alone = false;        ///< own ones, numbered anew; else all
+  PerBond<BondId> names;         ///< of these, their numbers in the whole body, increasing
+  std::vector<BondEnds> others;  ///< besides these, in order of names
+
+  /// The number in the whole body of a bond of the state, and the other way round; nothing if the state has
+  /// it not.
+  BondId name(BondId k) const { return own_alone ? names[k] : k; }
+  std::optional<BondId> find(BondId name) const {
+    if (!own_alone) return name;
+    const auto at = std::lower_bound(names.begin(), names.end(), name);
+    if (at == names.end() || *at != name) return std::nullopt;
+    return BondId{static_cast<std::size_t>(at - names.begin())};
+  }
+};
+
 /// What one process sees of a body that several may share: sums over what is its own, added up, are of the
 /// whole body. Each particle is the own one of one process, and a bond that of its first particle; a pair
 /// that touches is that of its lower number. One process that has the whole body owns all of it.
@@ -17,9 +45,9 @@ class BodyPart {
   /// The whole body. Keeps a reference.
   BodyPart(const State& whole) : state(whole), all(alone()) {}
   /// A part: own says of each particle whether it is, near are those that the state shows. Keeps references.
-  BodyPart(const State& shown, const PerParticle<char>& own, std::vector<ParticleId> near_ones,
-           const Communicator& processes)
-      : state(shown), all(processes), near(std::move(near_ones)), own_(&own) {}
+  BodyPart(const State& shown, const PerParticle<char>& own, const PartBonds& bonds,
+           std::vector<ParticleId> near_ones, const Communicator& processes)
+      : state(shown), all(processes), near(std::move(near_ones)), own_(&own), bonds_(&bonds) {}
 
   /// Of a part up to date for its own particles and bonds, both ends of these while they hold, and particles
   /// that are near; what pairs and walls remember is of its own ones.
@@ -31,6 +59,19 @@ class BodyPart {
 
   bool is_whole() const { return own_ == nullptr; }
   bool has(ParticleId p) const { return own_ == nullptr || (*own_)[p] != 0; }
+  /// Whether a bond of the state is its own; and the number of that bond in the whole body, by which files
+  /// and messages know it.
+  bool has(const Bond& b) const { return has(b.i); }
+  BondId name(BondId k) const { return bonds_ == nullptr ? k : bonds_->name(k); }
+  /// Calls visit(i, j, image_j, cracked) for all bonds that are not broken and of which it knows an end, own
+  /// and others.
+  template <class Visit>
+  void for_bonded(Visit&& visit) const {
+    for (const Bond& b : state.bonds)
+      if (!b.broken) visit(b.i, b.j, b.image_j, is_cracked(b));
+    if (bonds_ == nullptr) return;
+    for (const BondEnds& b : bonds_->others) visit(b.i, b.j, b.image_j, b.cracked);
+  }
 
   /// The sum of what all processes have.
   Vec3d summed(const Vec3d& here) const {
@@ -50,6 +91,7 @@ class BodyPart {
 
  private:
   const PerParticle<char>* own_ = nullptr;
+  const PartBonds* bonds_ = nullptr;
 };
 
 }  // namespace vbond

@@ -59,7 +59,6 @@ class BodyView {
   virtual ~BodyView() = default;
   virtual const Model& model() const = 0;
   const Clock& clock() const { return known().clock; }
-  const PerBond<Bond>& bonds() const { return known().bonds; }
   /// Particles that take no part in the computation, see State; and what has come in and gone.
   const std::vector<ParticleId>& dropped() const { return known().dropped; }
   const std::vector<ParticleId>& taken() const { return known().taken; }
@@ -75,6 +74,9 @@ class BodyView {
   /// takes less than state(); where processes do not know what is so near, or where bonds that broke end,
   /// they tell each other.  [length]
   virtual BodyPart part(double near = 0.0, bool ends_of_broken = false) const = 0;
+  /// The same for sums over bonds that need no places: places and memories in it may be old, and it takes no
+  /// time.
+  virtual BodyPart bonded() const { return known(); }
   /// A sum over all bonds, so not for every step; made once however often it is asked for.
   virtual const Survey& survey() const = 0;
   /// Of these positions and velocities.

@@ -7,12 +7,15 @@
 
 namespace vbond {
 
-/// What happened to a bond.
+/// What happened to a bond, with all that is told of it: who reads this needs no bond.
 struct BondEvent {
   enum class Kind : std::uint8_t { made, broken };
   Kind kind;
-  BondId bond;
+  BondId bond;        ///< its number in the whole body
   std::int64_t step;  ///< at the end of which it happened
+  ParticleId i{}, j{};
+  std::uint32_t set = 0;                  ///< which bond set of the case made it
+  Criterion criterion = Criterion::none;  ///< of its strength; none: its law has its own
   // broken only, as the bond was when it broke
   double energy = 0;             ///< above rest  [energy]
   Failure<double> failure{};     ///< what used up its strength
@@ -20,6 +23,12 @@ struct BondEvent {
   SectionLoads<double> loads{};  ///< elastic
   Vec3d middle{}, direction{};   ///< between its bonded points: place [length] and unit vector from i to j
 };
+
+/// What happened to this bond, all else left out.
+inline BondEvent event_of(BondEvent::Kind kind, const Bond& b, BondId k, std::int64_t step) {
+  const Criterion criterion = b.law->has_rules ? b.rules->strength.criterion : Criterion::none;
+  return {.kind = kind, .bond = k, .step = step, .i = b.i, .j = b.j, .set = b.set, .criterion = criterion};
+}
 
 /// By what a bond has broken, from its shares of strength and its axial force.
 inline BreakCause break_cause_of(const Bond& b, const Failure<double>& f, double N) {
@@ -31,7 +40,7 @@ inline BreakCause break_cause_of(const Bond& b, const Failure<double>& f, double
 /// What is to be told of a bond that breaks as it stands: particle i at r_i.
 inline BondEvent breaking_event(const Bond& b, BondId k, std::int64_t step, const Vec3d& r_i,
                                 const BondPose<double>& pose, const BondHistory& history) {
-  BondEvent e{BondEvent::Kind::broken, k, step};
+  BondEvent e = event_of(BondEvent::Kind::broken, b, k, step);
   const BondAxis<double> axis = bond_axis(b, pose);
   const BondLoads<double> loads = b.law->loads(b, pose, history);
   const BondEnergy<double> U = b.law->energy(b, pose, history);

@@ -38,10 +38,12 @@ Energies bond_energies(const State& state) {
   return e;
 }
 
-double dissipated_by_flow(const State& state) {
+double dissipated_by_flow(const BodyPart& body) {
+  const State& state = body.state;
   double sum = 0.0;
   for (const BondId k : state.bond_history.ids())
-    if (const BondLaw& law = *state.bonds[k].law; law.has_rules && law.remembers())
+    if (const BondLaw& law = *state.bonds[k].law;
+        law.has_rules && law.remembers() && body.has(state.bonds[k]))
       sum += state.bond_history[k][law.dissipated_at];
   return sum;
 }
@@ -74,9 +76,9 @@ Losses losses_by_flow(const BodyPart& body) {
   return lost;
 }
 
-EnergyBooks opened_books(const State& state, double energy) {
+EnergyBooks opened_books(const BodyPart& body, double energy) {
   EnergyBooks books{.at_start = energy};
-  books.lost -= losses_by_flow(state);
+  books.lost -= losses_by_flow(body);
   return books;
 }
 

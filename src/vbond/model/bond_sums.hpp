@@ -49,12 +49,12 @@ inline bool has_lost_its_flow(const BondHistory& h) {
   return !std::all_of(h.begin(), h.end(), [](double x) { return std::isfinite(x); });
 }
 /// What bonds that yield, creep, soften or rub have dissipated since they were made, broken ones too.
-/// [energy]
-double dissipated_by_flow(const State& state);
+/// Of a part its own ones.  [energy]
+double dissipated_by_flow(const BodyPart& body);
 /// The same by cause, of all parts of a body.
 Losses losses_by_flow(const BodyPart& body);
 /// Books that begin with this state, which holds so much energy.
-EnergyBooks opened_books(const State& state, double energy);
+EnergyBooks opened_books(const BodyPart& body, double energy);
 /// What the books count as dissipated, by cause; the sum differs from it by rounding.
 Losses losses_of(const State& state);
 

@@ -122,7 +122,7 @@ void come_in(const Model& model, const Source& source, std::size_t body, const P
   for (std::size_t k = 0; k < bonds.size(); ++k) {
     const BondId id{s.bonds.size()};
     add_bond(model, bonds[k], source.recipes[recipes[k]], s);
-    done.events.push_back({BondEvent::Kind::made, id, s.clock.step});
+    done.events.push_back(event_of(BondEvent::Kind::made, bonds[k], id, s.clock.step));
     const BondEnergy<double> U = bond_energy(s, id);
     done.brought += U.U_L + U.U_B + U.U_T;
     done.flowed += history_of_bond(s, id)[memory::dissipated];

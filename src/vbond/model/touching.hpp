@@ -23,10 +23,9 @@ void for_pairs_that_may_touch(const Model& model, const BodyPart& body, double m
   const auto key = [](std::uint64_t i, std::uint64_t j) { return std::min(i, j) << 32 | std::max(i, j); };
   std::unordered_multimap<std::uint64_t, Image> exempt;  // seen from the lower one
   if (model.contact.pairs == ContactPairs::unbonded)
-    for (const Bond& b : state.bonds)
-      if (!b.broken)
-        exempt.emplace(key(b.i.value, b.j.value),
-                       b.i < b.j || (b.i == b.j && b.image_j > Image{}) ? b.image_j : -b.image_j);
+    body.for_bonded([&](ParticleId i, ParticleId j, const Image& n, bool) {
+      exempt.emplace(key(i.value, j.value), i < j || (i == j && n > Image{}) ? n : -n);
+    });
   const auto is_exempt = [&](std::size_t i, std::size_t j, const Image& n) {
     const auto [first, last] = exempt.equal_range(key(i, j));
     return std::any_of(first, last, [&n](const auto& bonded) { return bonded.second == n; });

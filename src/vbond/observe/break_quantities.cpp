@@ -5,10 +5,6 @@ namespace {
 
 using Break = BreakView;
 
-Criterion criterion_of(const Bond& b) {
-  return b.law->has_rules ? b.rules->strength.criterion : Criterion::none;
-}
-
 // In the order of the columns.
 constexpr RowQuantity<Break> of_breaks[] = {
     {"time", unit::time,
@@ -21,11 +17,11 @@ constexpr RowQuantity<Break> of_breaks[] = {
     {"bond", unit::none, "number of the bond, in order of creation",
      [](const Break& b) -> Cell { return std::int64_t{b.event.bond.value}; }},
     {"i", unit::none, "number of its first particle",
-     [](const Break& b) -> Cell { return std::int64_t{b.bond.i.value}; }},
+     [](const Break& b) -> Cell { return std::int64_t{b.event.i.value}; }},
     {"j", unit::none, "number of its second particle",
-     [](const Break& b) -> Cell { return std::int64_t{b.bond.j.value}; }},
+     [](const Break& b) -> Cell { return std::int64_t{b.event.j.value}; }},
     {"set", unit::none, "which bond set of the case made it, from 0",
-     [](const Break& b) -> Cell { return std::int64_t{b.bond.set}; }},
+     [](const Break& b) -> Cell { return std::int64_t{b.event.set}; }},
     {"x", unit::length, "place: half way between the bonded points",
      [](const Break& b) -> Cell { return b.event.middle.x; }},
     {"y", unit::length, "place", [](const Break& b) -> Cell { return b.event.middle.y; }},
@@ -53,7 +49,7 @@ constexpr RowQuantity<Break> of_breaks[] = {
     {"utilisation", unit::none, "all that counts of these; a bond breaks at 1",
      [](const Break& b) -> Cell { return b.event.failure.utilisation; }},
     {"criterion", unit::none, "`strength.criterion` of its set; `none`: its law has its own",
-     [](const Break& b) -> Cell { return std::string_view(to_text(criterion_of(b.bond))); }},
+     [](const Break& b) -> Cell { return std::string_view(to_text(b.event.criterion)); }},
     {"mode", unit::none,
      "the largest part of what governed: `tension`, `shear`, `bending`, `torsion` or `compression`; `other`: "
      "its law does not say",

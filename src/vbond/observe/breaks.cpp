@@ -60,9 +60,8 @@ CsvWriter::Look BreaksWriter::looker(BreakRecord& record, const std::vector<std:
   };
 }
 
-void BreaksWriter::write(const Clock& clock, const Bond& bond, const BondEvent& event,
-                         std::optional<double> load) {
-  file_.write(cells_of(break_quantities(), BreakView{clock, bond, event, load}));
+void BreaksWriter::write(const Clock& clock, const BondEvent& event, std::optional<double> load) {
+  file_.write(cells_of(break_quantities(), BreakView{clock, event, load}));
   take_up(record_, clock.time(), load);
 }
 
@@ -77,7 +76,7 @@ FragmentsWriter::FragmentsWriter(const OutputPlan& plan, std::optional<std::int6
             plan.units, stage ? std::optional(*stage - 1) : std::nullopt) {}
 
 void FragmentsWriter::write(const Model& model, const State& state, std::int64_t stage) {
-  const Fragments fragments = find_fragments(model, state.bonds, left_out(state));
+  const Fragments fragments = find_fragments(model, state, left_out(state));
   const FragmentMotion motion = motion_of(fragments, model, state);
   for (std::size_t k = 0; k < fragments.all.size(); ++k)
     file_.write(cells_of(fragment_quantities(),

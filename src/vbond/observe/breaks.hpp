@@ -25,8 +25,8 @@ class BreaksWriter {
   BreaksWriter(const BreaksWriter&) = delete;
   BreaksWriter& operator=(const BreaksWriter&) = delete;
 
-  /// bond: as it was or is; load: of the first group whose reaction is asked for. Throws IoError.
-  void write(const Clock& clock, const Bond& bond, const BondEvent& event, std::optional<double> load);
+  /// load: of the first group whose reaction is asked for. Throws IoError.
+  void write(const Clock& clock, const BondEvent& event, std::optional<double> load);
   /// Of the rows in the file.
   const BreakRecord& record() const { return record_; }
   bool begun_anew() const { return file_.begun_anew(); }

@@ -21,7 +21,7 @@ void BreaksObserver::observe(const Simulation& run) {
     Clock then = run.clock();
     then.stage_step += event.step - then.step;
     then.step = event.step;
-    breaks_->write(then, run.bonds()[event.bond], event, load);
+    breaks_->write(then, event, load);
   }
 }
 
@@ -52,7 +52,7 @@ void BreaksObserver::add_breaks_at_rest(const Clock& start, const State& state,
     const Bond& bond = state.bonds[b.use.bond];
     Clock then = start;
     then.step += b.point;
-    BondEvent e{BondEvent::Kind::broken, b.use.bond, then.step};
+    BondEvent e = event_of(BondEvent::Kind::broken, bond, b.use.bond, then.step);
     e.energy = b.held;
     const StrengthShares& s = b.shares;
     e.failure = {s.tension, s.shear, s.bending, s.torsion, s.compression, b.use.utilisation};
@@ -60,7 +60,7 @@ void BreaksObserver::add_breaks_at_rest(const Clock& start, const State& state,
     e.middle = b.middle, e.direction = b.direction;
     e.cause = break_cause_of(bond, e.failure, e.loads.N);
     const auto load = load_at_rest_.find(then.step);
-    breaks_->write(then, bond, e, load != load_at_rest_.end() ? std::optional(load->second) : std::nullopt);
+    breaks_->write(then, e, load != load_at_rest_.end() ? std::optional(load->second) : std::nullopt);
   }
 }
 

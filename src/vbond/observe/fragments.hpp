@@ -5,6 +5,7 @@
 
 #include "vbond/core/column.hpp"
 #include "vbond/core/vec3.hpp"
+#include "vbond/model/body_part.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
 
@@ -21,8 +22,10 @@ struct Fragments {
   std::vector<Fragment> all;         ///< the heaviest first, of equal ones that with the lowest particle
   PerParticle<std::int64_t> number;  ///< of each particle's fragment, among all; -1: it is left out
 };
-/// without: particles that are of none, in increasing order.
-Fragments find_fragments(const Model& model, const PerBond<Bond>& bonds,
+/// without: particles that are of none, in increasing order. Of a body in parts all of its fragments, and the
+/// numbers of the particles of this part, -1 for others. All parts call it; it takes messages of the size of
+/// borders, and of the number of fragments.
+Fragments find_fragments(const Model& model, const BodyPart& body,
                          const std::vector<ParticleId>& without = {});
 
 /// What the history tells of them.
@@ -31,7 +34,8 @@ struct FragmentCount {
   double largest_share = 0;  ///< of the mass
   friend bool operator==(const FragmentCount&, const FragmentCount&) = default;
 };
-FragmentCount count_fragments(const Model& model, const PerBond<Bond>& bonds,
+/// The same, but that parts tell each other only of fragments that several have particles of.
+FragmentCount count_fragments(const Model& model, const BodyPart& body,
                               const std::vector<ParticleId>& without = {});
 
 /// Centres of mass and their velocities, one of each for each fragment, each as a whole: with the images that

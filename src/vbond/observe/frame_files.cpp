@@ -42,9 +42,9 @@ std::vector<Vec3d> positions_of(const std::vector<ParticleId>& particles, const 
   return r;
 }
 
-/// These particles. Stress and fragments are looked for in the whole body.
+/// These particles. Stress is looked for in the whole body. fragments: where bonds may break.
 VtpFile file_of_particles(const std::vector<ParticleId>& particles, const Model& model, const State& state,
-                          FrameFormat format) {
+                          const Fragments* fragments, FrameFormat format) {
   PerParticle<Image> images(state.r.size());
   if (format.wrap) images = images_in_cell(model, state);
   std::vector<Vec3d> places = positions_of(particles, state);
@@ -53,12 +53,10 @@ VtpFile file_of_particles(const std::vector<ParticleId>& particles, const Model&
   VtpFile f = VtpFile::of_points(places, format);
   f.set_unit_of_points(unit::length.in(model.units));
   if (const auto cell = frame_cell(model, state)) f.set_cell(*cell);
-  std::optional<Fragments> fragments;
-  if (format.breaks && !particles.empty()) fragments = find_fragments(model, state.bonds, left_out(state));
   PerParticle<Tensor> stress;
   if (format.stress) stress = stress_times_volume(model, state);
   const auto view = [&](std::size_t k) {
-    ParticleView of{model, state, particles[k], fragments ? &*fragments : nullptr};
+    ParticleView of{model, state, particles[k], fragments};
     of.image = images[of.id];
     if (format.stress) of.stress = symmetric_part(1.0 / sphere_volume(model, of.id) * stress[of.id]);
     return of;
@@ -76,7 +74,8 @@ VtpFile file_of_particles(const std::vector<ParticleId>& particles, const Model&
 
 /// These bonds between points, which are these particles, in increasing order.
 VtpFile file_of_bonds(const std::vector<BondId>& bonds, const std::vector<ParticleId>& points,
-                      const State& state, UnitSystem units, FrameFormat format) {
+                      const BodyPart& body, UnitSystem units, FrameFormat format) {
+  const State& state = body.state;
   const auto point_of = [&points](ParticleId p) -> std::int64_t {
     if (p.value < points.size() && points[p.value] == p) return p.value;
     return std::lower_bound(points.begin(), points.end(), p) - points.begin();
@@ -90,6 +89,7 @@ VtpFile file_of_bonds(const std::vector<BondId>& bonds, const std::vector<Partic
   ends.reserve(2 * bonds.size()), views.reserve(bonds.size());
   for (const BondId k : bonds) {
     views.push_back(bond_view(k, state, format.breaks));
+    views.back().id = body.name(k);
     const Bond& b = views.back().bond;
     ends.push_back(point_of(b.i));
     if (b.image_j.is_itself()) {
@@ -115,31 +115,34 @@ VtpFile file_of_bonds(const std::vector<BondId>& bonds, const std::vector<Partic
   return f;
 }
 
-/// The numbers that the points of images have in a frame of the whole body, behind the particles.
-std::vector<std::int64_t> numbers_of_images(const std::vector<BondId>& bonds, const State& state) {
+/// The numbers that the points of images have in a frame of the whole body, behind the particles: in the
+/// order of bonds.
+std::vector<std::int64_t> numbers_of_images(const std::vector<BondId>& bonds, const BodyPart& body) {
+  if (body.state.cell.empty()) return {};
+  std::vector<BondId> here;
+  for (const BondId k : bonds)
+    if (!body.state.bonds[k].image_j.is_itself()) here.push_back(body.name(k));
+  std::vector<BondId> all = body.all.gather(here);
+  std::sort(all.begin(), all.end());
   std::vector<std::int64_t> numbers;
-  auto number = static_cast<std::int64_t>(state.r.size());
-  auto next = bonds.begin();
-  for (const BondId k : state.bonds.ids()) {
-    const bool is_here = next != bonds.end() && *next == k;
-    if (is_here) ++next;
-    if (state.bonds[k].image_j.is_itself()) continue;
-    if (is_here) numbers.push_back(number);
-    ++number;
-  }
+  const auto first = static_cast<std::int64_t>(body.state.r.size());
+  for (const BondId k : here)
+    numbers.push_back(first + (std::lower_bound(all.begin(), all.end(), k) - all.begin()));
   return numbers;
 }
 
-/// The same of a part of a body, with the numbers that its points have in a frame of the whole body.
+/// The same of a part of a body, with the numbers that its points have in a frame of the whole body: those of
+/// images are given.
 VtpFile file_of_bonds_of_part(const std::vector<BondId>& bonds, std::vector<ParticleId> points,
-                              const State& state, UnitSystem units, FrameFormat format) {
+                              const std::vector<std::int64_t>& of_images, const BodyPart& body,
+                              UnitSystem units, FrameFormat format) {
+  const State& state = body.state;
   for (const BondId k : bonds) points.push_back(state.bonds[k].j);
   std::sort(points.begin(), points.end());
   points.erase(std::unique(points.begin(), points.end()), points.end());
-  VtpFile f = file_of_bonds(bonds, points, state, units, format);
+  VtpFile f = file_of_bonds(bonds, points, body, units, format);
   std::vector<std::int64_t> numbers;
   for (const ParticleId p : points) numbers.push_back(p.value);
-  const std::vector<std::int64_t> of_images = numbers_of_images(bonds, state);
   numbers.insert(numbers.end(), of_images.begin(), of_images.end());
   f.add_point_data(state.cell.empty() ? "particle" : "point", numbers);
   return f;
@@ -181,7 +184,9 @@ void write_particles_vtp(const fs::path& path, const Model& model, const State& 
   std::vector<ParticleId> shown;
   const std::vector<ParticleId> all = all_of<ParticleId>(model.particles()), without = left_out(state);
   std::set_difference(all.begin(), all.end(), without.begin(), without.end(), std::back_inserter(shown));
-  file_of_particles(shown, model, state, format)
+  std::optional<Fragments> fragments;
+  if (format.breaks) fragments = find_fragments(model, state, without);
+  file_of_particles(shown, model, state, fragments ? &*fragments : nullptr, format)
       .write(path, state.clock.time(), state.clock.step, load_factor);
 }
 
@@ -203,10 +208,15 @@ void write_part(const fs::path& folder, int part, const Simulation& run, FrameFo
     if (is_here(state.bonds[k].i)) bonds.push_back(k);
   const double time = state.clock.time();
   const std::int64_t step = state.clock.step;
-  VtpFile file = file_of_particles(particles, run.model(), state, of_parts(format));
+  // before any file is made: a part that cannot do that would have the others wait
+  std::optional<Fragments> fragments;
+  if (format.breaks) fragments = find_fragments(run.model(), own, left_out(state));
+  const std::vector<std::int64_t> of_images = numbers_of_images(bonds, own);
+  VtpFile file =
+      file_of_particles(particles, run.model(), state, fragments ? &*fragments : nullptr, of_parts(format));
   file.set_points_of_all_parts(static_cast<std::int64_t>(present(state)));
   file.write(folder / name_of_part("particles", step, part), time, step);
-  file_of_bonds_of_part(bonds, particles, state, run.model().units, of_parts(format))
+  file_of_bonds_of_part(bonds, particles, of_images, own, run.model().units, of_parts(format))
       .write(folder / name_of_part("bonds", step, part), time, step);
   if (format.cell && part == 0)
     write_cell_vtp(folder / frame_name("cell", step), run.model(), state, {}, format);
@@ -221,10 +231,10 @@ void write_lists_of_parts(const fs::path& folder, int parts, const Model& model,
       files.push_back(fs::path(name_of_part(kind, step, part)).filename().string());
     empty.write_list(folder / name_of_parts(kind, step), files);
   };
-  write(file_of_particles({}, model, {}, format), "particles");
+  write(file_of_particles({}, model, {}, nullptr, format), "particles");
   State empty;
   empty.cell = cell_at_start(model);
-  write(file_of_bonds_of_part({}, {}, empty, model.units, format), "bonds");
+  write(file_of_bonds_of_part({}, {}, {}, empty, model.units, format), "bonds");
 }
 
 }  // namespace vbond

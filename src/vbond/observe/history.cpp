@@ -178,6 +178,7 @@ std::string history_header(const OutputPlan& plan) {
 HistoryValues history_values(const OutputPlan& plan, const BodyView& body) {
   const BalancePoint* const at_rest = body.balance();
   const std::vector<ParticleId> without = left_out(body.taken(), body.waiting());
+  const BodyPart bonded = body.bonded();
   HistoryValues values{
       .clock = body.clock(),
       .books = body.books(),
@@ -187,11 +188,10 @@ HistoryValues history_values(const OutputPlan& plan, const BodyView& body) {
       .energies = body.energies(),
       .balance_error = body.balance_error(),
       .losses = losses_of(plan, body),
-      .bonds = static_cast<std::int64_t>(body.bonds().size()),
+      .bonds = count_bonds(bonded),
       .ranges = count_ranges(body),
-      .fragments =
-          plan.breaks ? std::optional(count_fragments(body.model(), body.bonds(), without)) : std::nullopt,
-      .broken = plan.breaks ? count_broken(body.bonds()) : 0,
+      .fragments = plan.breaks ? std::optional(count_fragments(body.model(), bonded, without)) : std::nullopt,
+      .broken = plan.breaks ? count_broken(bonded) : 0,
       .peak_average = body.peak().last,
       .load_factor = at_rest ? std::optional(at_rest->load_factor) : std::nullopt,
       .unstable = at_rest ? at_rest->unstable : std::nullopt,

@@ -219,7 +219,7 @@ void TableObserver::print(const Simulation& run) {
   last_step_ = run.clock().step;
   const Timing timing(*this);
   std::optional<std::int64_t> broken;
-  if (breaks_) broken = count_broken(run.bonds());
+  if (breaks_) broken = count_broken(run.bonded());
   std::string text =
       std::exchange(header_, Header::dynamics) == Header::dynamics ? "" : table_header(breaks_);
   text += table_row(run.clock(), run.books(), run.energies(), run.balance_error(), count_ranges(run), broken);

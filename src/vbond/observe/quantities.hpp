@@ -89,7 +89,6 @@ std::optional<ColumnFacts> facts_of_column(std::string_view name);
 /// A bond that broke.
 struct BreakView {
   const Clock& clock;
-  const Bond& bond;
   const BondEvent& event;
   std::optional<double> load;  ///< of the first group whose reaction is asked for  [force]
 };

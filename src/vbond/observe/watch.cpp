@@ -47,12 +47,13 @@ double angle(const Vec3d& a, const Vec3d& b) {
   return 180.0 / std::numbers::pi * std::atan2(norm(cross(a, b)), dot(a, b));
 }
 
-SeenBond seen(BondId k, const State& s) {
+SeenBond seen(BondId k, const BodyPart& body) {
+  const State& s = body.state;
   const Bond& b = s.bonds[k];
   const BondPose<double> pose = elastic_pose(s, k);
   const BondShape shape = bond_shape(pose, 0.0, 0.0);
   const Vec3d& D = pose.r_ij;
-  return {.bond = k,
+  return {.bond = body.name(k),
           .i = b.i,
           .j = b.j,
           .a = b.a,
@@ -153,7 +154,7 @@ void Watch::look(const BodyView& body, const std::function<std::string()>& suspe
     const BodyPart part = body.part();
     std::vector<SeenBond> news;
     for (const BondId k : survey.deformed)
-      if (const SeenBond b = seen(k, part.state); is_news(b)) news.push_back(b);
+      if (const SeenBond b = seen(k, part); is_news(b)) news.push_back(b);
     news = part.all.gather(news);
     std::sort(news.begin(), news.end(), [](const auto& x, const auto& y) { return x.bond < y.bond; });
     for (const SeenBond& b : news) look_at_bond(b, body.clock(), when(body));
@@ -169,9 +170,8 @@ void Watch::look_at_handover(const BodyView& body) {
   if (told_handover_ || !(gained > 0.0)) return;
   const double energy = body.energies().total();
   if (!(gained > much * energy)) return;
-  const PerBond<Bond>& bonds = body.bonds();
   const auto parted = [](const Bond& b) { return b.broken && b.law->crack != nullptr; };
-  if (std::none_of(bonds.begin(), bonds.end(), parted)) return;
+  if (count_bonds(body.bonded(), parted) == 0) return;
   told_handover_ = true;
   if (tell_)
     tell_(fmt::format(

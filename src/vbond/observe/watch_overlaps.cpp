@@ -45,8 +45,9 @@ std::vector<Overlap> own_overlaps(const Model& m, const BodyPart& body, double p
   for_overlapping_present(m, body, 0.0, look);
   if (found.empty()) return found;
   std::set<std::tuple<ParticleId, ParticleId, Image>> bonded;  // seen from either end
-  for (const Bond& b : s.bonds)
-    if (!has_failed(b)) bonded.insert({b.i, b.j, b.image_j}), bonded.insert({b.j, b.i, -b.image_j});
+  body.for_bonded([&](ParticleId i, ParticleId j, const Image& n, bool cracked) {
+    if (!cracked) bonded.insert({i, j, n}), bonded.insert({j, i, -n});
+  });
   const std::vector<char> of_fibre = particles_of_fibres(m.particles(), s.bonds);  // looked at as capsules
   found.erase(std::remove_if(found.begin(), found.end(),
                              [&](const Overlap& o) {

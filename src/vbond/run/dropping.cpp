@@ -51,9 +51,8 @@ void Run::tell_of_dropped(const std::vector<std::pair<ParticleId, std::string>>&
     }
     const auto& [p, why] = lost[k];
     const Vec3d& r = s.r[p];
-    const auto bonds = std::count_if(broken.begin(), broken.end(), [&s, p = p](const BondEvent& e) {
-      return s.bonds[e.bond].i == p || s.bonds[e.bond].j == p;
-    });
+    const auto bonds = std::count_if(broken.begin(), broken.end(),
+                                     [p = p](const BondEvent& e) { return e.i == p || e.j == p; });
     if (hooks_.tell)
       hooks_.tell(
           fmt::format("t = {:.6g}: step {}: particle {} is dropped at ({:.6g}, {:.6g}, {:.6g}): {}; "

@@ -29,7 +29,7 @@ void MotionHeat::begin_stage() {
 void MotionHeat::jump_to(double time) {
   if (!set_temperatures(time)) return;
   State& s = on_.state;
-  const double U_before = on_.host.potential_energy(), flowed_before = dissipated_by_flow(s);
+  const double U_before = on_.host.potential_energy(), flowed_before = on_.host.flowed();
   take_lengths(s);
   for (const WarmBond& w : s.warm_bonds) {
     const Bond& b = s.bonds[w.bond];
@@ -40,8 +40,7 @@ void MotionHeat::jump_to(double time) {
   }
   if (on_.bonds.remembers()) on_.host.arrange_bonds();
   on_.host.evaluate_loads();
-  // all parts know what all bonds have lost; the energies are those of this one
-  const double flowed = on_.exchange.leads() ? dissipated_by_flow(s) - flowed_before : 0.0;
+  const double flowed = on_.host.flowed() - flowed_before;
   on_.books.dissipated += flowed;
   on_.books.work_supports += on_.host.potential_energy() - U_before + flowed;
 }
@@ -81,8 +80,7 @@ void MotionHeat::begin_step() {
 /// and is booked as a jump: the mean of before and after the step would know of half.
 bool MotionHeat::jumps(BondId k, const Bond& b) {
   const Bond& before = on_.state.bonds[k];
-  const bool known = on_.bodies.order.has(b.i) || on_.bodies.order.has(b.j);
-  if (!known || !b.law->has_rules || !b.law->remembers()) return false;
+  if (!on_.bodies.order.has(b.i) || !b.law->has_rules || !b.law->remembers()) return false;
   const BondPose<double> pose = on_.bodies.bond_pose(b);
   const auto stored = [&](const Bond& as, const BondHistory& history) {
     const BondEnergy<double> U = as.law->energy(as, pose, history);
@@ -92,7 +90,6 @@ bool MotionHeat::jumps(BondId k, const Bond& b) {
   const double flowed = flown[b.law->dissipated_at] - found[b.law->dissipated_at];
   if (!(flowed > stored(b, flown))) return false;
   on_.bonds.put_history(k, flown);
-  if (!on_.bodies.order.has(b.i)) return true;
   on_.books.dissipated += flowed;
   on_.books.work_supports += stored(b, flown) - stored(before, found) + flowed;
   return true;

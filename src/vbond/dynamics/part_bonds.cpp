@@ -1,0 +1,177 @@
+#include "vbond/dynamics/part_bonds.hpp"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <utility>
+
+namespace vbond {
+namespace {
+
+/// What parts send of a bond.
+struct SentBond {
+  BondId name;
+  ParticleId i, j;
+  std::uint32_t law, rules;  // in SharedByBonds
+  std::uint32_t set;
+  bool broken;
+  BreakMode mode;
+  Image image_j;
+  double a, R_i, R_j, capsule;
+  Coefficients coefficients;
+  Quatd frame_i, frame_j;
+};
+
+template <class T>
+std::uint32_t place_in(const std::vector<T>& all, const T& one) {
+  return static_cast<std::uint32_t>(std::find(all.begin(), all.end(), one) - all.begin());
+}
+
+SentBond sent(const Bond& b, BondId name, const SharedByBonds& shared) {
+  return {.name = name,
+          .i = b.i,
+          .j = b.j,
+          .law = place_in(shared.laws, b.law),
+          .rules = place_in(shared.rules, b.rules),
+          .set = b.set,
+          .broken = b.broken,
+          .mode = b.mode,
+          .image_j = b.image_j,
+          .a = b.a,
+          .R_i = b.R_i,
+          .R_j = b.R_j,
+          .capsule = b.capsule,
+          .coefficients = b.coefficients,
+          .frame_i = b.frame_i,
+          .frame_j = frame_j(b)};
+}
+
+Bond received(const SentBond& s, const SharedByBonds& shared) {
+  Bond b{.i = s.i,
+         .j = s.j,
+         .law = shared.laws[s.law],
+         .a = s.a,
+         .R_i = s.R_i,
+         .R_j = s.R_j,
+         .coefficients = s.coefficients,
+         .rules = shared.rules[s.rules],
+         .frame_i = {},
+         .set = s.set,
+         .broken = s.broken,
+         .mode = s.mode,
+         .capsule = s.capsule,
+         .image_j = s.image_j};
+  set_frames(b, s.frame_i, s.frame_j);
+  return b;
+}
+
+/// What a state of the whole body has of bonds.
+struct AllBonds {
+  const PerBond<Bond>& bonds;
+  const PerBond<BondHistory>& history;
+  const std::vector<WarmBond>& warm;
+};
+
+/// Takes up what is known to a part of the bonds from this one on: own ones, and ends of others.
+template <class IsOwn>
+void take_up(const AllBonds& whole, std::size_t first, IsOwn is_own, const Order& order, State& state,
+             PartBonds& to, SharedByBonds& shared) {
+  for (std::size_t k = first; k < whole.bonds.size(); ++k) {
+    const Bond& b = whole.bonds[BondId{k}];
+    shared.add(b);
+    if (is_own(b)) {
+      state.bonds.push_back(b);
+      to.names.push_back(BondId{k});
+    } else if (!b.broken && (order.knows(b.i) || order.knows(b.j))) {
+      to.others.push_back({BondId{k}, b.i, b.j, b.image_j, is_cracked(b)});
+    }
+  }
+  if (!whole.history.empty())
+    for (std::size_t k = state.bond_history.size(); k < state.bonds.size(); ++k) {
+      const BondId name = to.names[BondId{k}];
+      state.bond_history.push_back(name.value < whole.history.size() ? whole.history[name] : no_history);
+    }
+  for (WarmBond w : whole.warm) {
+    const auto k = w.bond.value < first ? std::nullopt : to.find(w.bond);
+    if (!k) continue;
+    w.bond = *k;
+    state.warm_bonds.push_back(w);
+  }
+}
+
+/// What all parts send, some names at a time: take(name, what was sent for it).
+template <class T, class Send, class Take>
+void tell_all(std::size_t bonds, const PartBonds& part, const Exchange& exchange, Send send, Take take) {
+  constexpr std::size_t at_once = 1 << 16;
+  std::size_t next = 0;  // of own ones
+  for (std::size_t last = at_once, first = 0; first < bonds; first = last, last += at_once) {
+    std::vector<T> some;
+    for (; next < part.names.size() && part.names[BondId{next}].value < last; ++next)
+      some.push_back(send(BondId{next}));
+    for (const T& told : exchange.gather(some)) take(told);
+  }
+}
+
+}  // namespace
+
+void SharedByBonds::add(const Bond& b) {
+  if (laws.empty() || laws.back() != b.law)
+    if (place_in(laws, b.law) == laws.size()) laws.push_back(b.law);
+  if (rules.empty() || rules.back() != b.rules)
+    if (place_in(rules, b.rules) == rules.size()) rules.push_back(b.rules);
+}
+
+void BondsOfState::give_back(State& state) {
+  state.bonds = std::move(bonds);
+  state.bond_history = std::move(history);
+  state.warm_bonds = std::move(warm);
+}
+
+BondsOfState keep_own_bonds(State& state, const BodyPart& part, const Order& order, PartBonds& bonds,
+                            SharedByBonds& shared) {
+  BondsOfState whole{std::exchange(state.bonds, {}), std::exchange(state.bond_history, {}),
+                     std::exchange(state.warm_bonds, {})};
+  bonds = {.own_alone = true, .names = {}, .others = {}};
+  take_up(
+      {whole.bonds, whole.history, whole.warm}, 0, [&part](const Bond& b) { return part.has(b); }, order,
+      state, bonds, shared);
+  return whole;
+}
+
+void take_up_bonds(const State& whole, std::size_t first, const Order& order, State& state, PartBonds& bonds,
+                   SharedByBonds& shared) {
+  take_up(
+      {whole.bonds, whole.bond_history, whole.warm_bonds}, first,
+      [&order](const Bond& b) { return order.has(b.i); }, order, state, bonds, shared);
+}
+
+State with_all_bonds(const State& state, const PartBonds& part, const SharedByBonds& shared,
+                     const Exchange& exchange) {
+  State whole = state;
+  std::array<double, 2> sums{static_cast<double>(state.bonds.size()), state.bond_history.empty() ? 0.0 : 1.0};
+  exchange.sum(sums);
+  const auto bonds = static_cast<std::size_t>(sums[0]);
+  whole.bonds.assign(bonds, {});
+  tell_all<SentBond>(
+      bonds, part, exchange, [&](BondId k) { return sent(state.bonds[k], part.names[k], shared); },
+      [&](const SentBond& b) { whole.bonds[b.name] = received(b, shared); });
+  whole.bond_history.assign(sums[1] > 0.0 ? bonds : 0, {});
+  struct Memory {
+    BondId name;
+    BondHistory history;
+  };
+  if (sums[1] > 0.0)
+    tell_all<Memory>(
+        bonds, part, exchange,
+        [&](BondId k) {
+          return Memory{part.names[k], history_of_bond(state, k)};
+        },
+        [&](const Memory& m) { whole.bond_history[m.name] = m.history; });
+  for (WarmBond& w : whole.warm_bonds) w.bond = part.names[w.bond];
+  whole.warm_bonds = exchange.gather(whole.warm_bonds);
+  std::sort(whole.warm_bonds.begin(), whole.warm_bonds.end(),
+            [](const WarmBond& a, const WarmBond& b) { return a.bond < b.bond; });
+  return whole;
+}
+
+}  // namespace vbond

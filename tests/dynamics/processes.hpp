@@ -1,0 +1,82 @@
+#pragma once
+#include <algorithm>
+#include <barrier>
+#include <cstddef>
+#include <cstring>
+#include <span>
+#include <vector>
+
+#include "vbond/dynamics/exchange.hpp"
+
+/// Threads that stand for the processes which share a body.
+namespace vbond::testing {
+
+struct Meeting {
+  explicit Meeting(std::size_t processes)
+      : all_here(static_cast<std::ptrdiff_t>(processes)), numbers(processes), bytes(processes) {}
+  std::barrier<> all_here;
+  std::vector<std::vector<double>> numbers;
+  std::vector<std::span<const std::byte>> bytes;
+};
+
+/// A ghost that is an image, and where its particle is.
+struct ImageRow {
+  std::size_t row;
+  Image image;
+  Vec3d r;
+};
+
+/// Ghosts have what the state has that each begins with, images their places: nothing moves.
+class Process final : public Exchange {
+ public:
+  Process(Meeting& meeting, std::size_t rank) : meeting_(meeting), rank_(rank) {}
+
+  void halo(const HaloColumns& columns) override {
+    for (const ImageRow& g : images) {
+      columns.pose[g.row].r = g.r;
+      columns.carry(g.row, g.image);
+    }
+  }
+  void reverse_sum(std::span<LoadRow>) override {}
+  void sum(std::span<double> x) const override {
+    combine(x, [](double a, double b) { return a + b; });
+  }
+  void max(std::span<double> x) const override {
+    combine(x, [](double a, double b) { return std::max(a, b); });
+  }
+  int ranks() const override { return static_cast<int>(meeting_.bytes.size()); }
+  int rank() const override { return static_cast<int>(rank_); }
+  void gather_bytes(std::span<const std::byte> mine, const Room& room) const override {
+    meeting_.bytes[rank_] = mine;
+    meeting_.all_here.arrive_and_wait();
+    std::size_t size = 0;
+    for (const auto& b : meeting_.bytes) size += b.size();
+    largest_gather = std::max(largest_gather, size);
+    std::byte* to = room(size);
+    for (const auto& b : meeting_.bytes) {
+      if (!b.empty()) std::memcpy(to, b.data(), b.size());
+      to += b.size();
+    }
+    meeting_.all_here.arrive_and_wait();
+  }
+
+  std::vector<ImageRow> images;
+  mutable std::size_t largest_gather = 0;  ///< of all processes together  [bytes]
+
+ private:
+  template <class Op>
+  void combine(std::span<double> x, Op op) const {
+    meeting_.numbers[rank_].assign(x.begin(), x.end());
+    meeting_.all_here.arrive_and_wait();
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      x[k] = meeting_.numbers[0][k];
+      for (std::size_t rank = 1; rank < meeting_.numbers.size(); ++rank)
+        x[k] = op(x[k], meeting_.numbers[rank][k]);
+    }
+    meeting_.all_here.arrive_and_wait();
+  }
+  Meeting& meeting_;
+  std::size_t rank_;
+};
+
+}  // namespace vbond::testing
