@@ -189,9 +189,32 @@ void CheckpointObserver::finish(const Simulation& run, StopReason /*why*/) {
 }
 
 void CheckpointObserver::write(const Model& model, const State& state, const std::filesystem::path& path) {
+  write(model, state, path, nullptr);
+}
+
+void CheckpointObserver::write_within(const Model& model, const State& state,
+                                      const FractureUnderWay& under_way) {
+  write(model, state, path_, &under_way);
+  last_step_ = state.clock.step;
+}
+
+void CheckpointObserver::write(const Model& model, const State& state, const std::filesystem::path& path,
+                               const FractureUnderWay* under_way) {
   if (!writes_) return;
   const Timing timing(*this);
-  write_checkpoint(path, model, state, watch_->watch().record(), program_version_);
+  const auto begun = WallClock::now();
+  write_checkpoint(path, model, state, watch_->watch().record(), program_version_, under_way);
+  written_ = WallClock::now();
+  took_ = written_ - begun;
+}
+
+bool CheckpointObserver::is_due_at_rest(const Clock& now) const {
+  constexpr std::chrono::minutes often(1);
+  constexpr int share = 100;
+  if (!writes_ || last_step_ == now.step) return false;
+  if (due_ && due_->now(now)) return true;
+  const auto since = WallClock::now() - written_;
+  return since >= often && since >= share * took_;
 }
 
 // ---- table and progress -----------------------------------------------------------------------------
@@ -324,7 +347,7 @@ FileObservers open_output(const OutputPlan& plan, Watch::Tell tell, const std::s
   std::optional<Clock> resumed;
   if (resume) resumed = resume->state.clock;
   if (plan.breaks)
-    o.breaks = std::make_shared<BreaksObserver>(plan, resumed);
+    o.breaks = std::make_shared<BreaksObserver>(plan, resumed, resume && resume->under_way);
   else if (resumed && plan.writes_all())
     cut_breaks(plan, *resumed);
   const auto tell_anew = [&](bool anew, const char* name, const char* why) {

@@ -200,6 +200,7 @@ Energies StaticBody::energies() const {
 void StaticBody::break_bond(BondId k, BreakMode mode) {
   Bond& broken = state_.bonds[k];
   broken.mode = mode;
+  ++breaks_;
   if (broken.law->crack != nullptr) return leave_faces(k);
   broken.broken = true;
   touching_.forget();
