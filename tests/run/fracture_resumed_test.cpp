@@ -161,7 +161,7 @@ class Runner {
         return left;
       }
       if (run.under_way()) ++within;
-      if (run.under_way() && run.under_way()->factor) ++with_factor;
+      if (run.under_way() && run.under_way()->factor.made_at) ++with_factor;
       if (run.under_way() && run.under_way()->numbers.breaking) ++going_down;
       if (run.under_way() && run.under_way()->found.fracture.released_parts > 0) ++with_parts;
       if (run.under_way() && run.under_way()->numbers.flows) ++flowing;

@@ -219,10 +219,9 @@ void check_sense(const FiledFracture& f, const FractureUnderWay& then, const Mod
   require(f.found.points > 0 && f.found.points == state.clock.stage_step, "its stage is at another point");
   require(f.numbers.breaks >= 0 && f.numbers.breaks <= static_cast<std::int64_t>(breaks.size()),
           "it has more breaks than are listed");
-  require(
-      then.factor == std::nullopt || (f.factor.breaks >= 0 && f.factor.breaks <= f.numbers.breaks &&
-                                      f.factor_q.size() == n && f.factor_cell.size() == state.cell.size()),
-      "its factor is of another body");
+  require(!then.factor.made_at || (f.factor.breaks >= 0 && f.factor.breaks <= f.numbers.breaks &&
+                                   f.factor_q.size() == n && f.factor_cell.size() == state.cell.size()),
+          "its factor is of another body");
   for (const BrokenBond& b : breaks)
     require(b.use.bond.value < state.bonds.size() && b.use.i.value < n && b.use.j.value < n &&
                 b.point <= f.found.points,

@@ -51,7 +51,7 @@ BreakingBody::BreakingBody(const Model& model, const StaticStage& stage, State n
   begun_ = then.begun;
   if (body_->unknowns().size() != n.unknowns) refuse_another_stage(then);
   body_->make_room_for(*then.pattern, n.flows);
-  if (then.factor) go_on_with_kept_factor(then);
+  go_on_with_kept_factor(then);
   body_->go_on_from(std::move(now), n.load_factor, n.breaks, then.remembered_before);
   refuse_another_stage(then);
   if (n.unknowns > 0) prepare_solver();
@@ -64,10 +64,11 @@ BreakingBody::BreakingBody(const Model& model, const StaticStage& stage, State n
 void BreakingBody::go_on_with_kept_factor(const FractureUnderWay& then) {
   const std::vector<BrokenBond>& breaks = then.found.fracture.breaks;
   const auto first = static_cast<std::int64_t>(breaks.size()) - then.numbers.breaks;
+  const std::int64_t number = then.factor.made_at ? then.factor.made_at->breaks : 0;
   std::vector<BondId> broken;
-  for (std::int64_t k = 0; k < then.factor->made_at->breaks; ++k)
+  for (std::int64_t k = 0; k < number; ++k)
     broken.push_back(breaks.at(static_cast<std::size_t>(first + k)).use.bond);
-  if (!solver_->go_on_with_kept(*body_, *then.factor, broken)) refuse_another_stage(then);
+  solver_->go_on_with_kept(*body_, then.factor, broken);
 }
 
 /// Its loads, or what its supports hold, would be others than those that the body is in balance with.

@@ -46,7 +46,8 @@ struct KeptFactorUnderWay {
     std::int64_t breaks = 0;  ///< since parts were held last
     friend bool operator==(const Place&, const Place&) = default;
   };
-  std::shared_ptr<const Place> made_at;
+  std::shared_ptr<const Place>
+      made_at;  ///< null: none is kept, and of the rest there are random numbers only
   std::vector<Change> changes;
   std::vector<std::vector<std::int32_t>> breaks;  ///< unknowns of bonds that it does not know of yet
   std::mt19937_64 random_as_made, random;
@@ -87,7 +88,7 @@ struct FractureUnderWay {
   /// Pairs of nodes that the tangent has room for.
   std::shared_ptr<const std::vector<std::pair<ParticleId, ParticleId>>> pattern;
   PerBond<BondHistory> remembered_before;  ///< at the balance before, of bodies that flow
-  std::optional<KeptFactorUnderWay> factor;
+  KeptFactorUnderWay factor;
 };
 
 }  // namespace vbond

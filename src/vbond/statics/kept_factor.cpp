@@ -153,7 +153,7 @@ bool KeptFactor::go_on_from(const SparseMatrix& A, const KeptFactorUnderWay& the
            Eigen::Map<const DenseMatrix>(c.numbers.data(), size, size));
     if (!at_hand_) return false;
   }
-  random_ = then.random;
+  draw_on_from(then.random);
   proofs_ = static_cast<int>(then.proofs);
   spent_ = then.spent, in_cycle_ = then.in_cycle, recent_ = then.recent;
   return true;

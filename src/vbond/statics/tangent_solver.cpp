@@ -95,26 +95,24 @@ void TangentSolver::keep(const StaticBody& body) {
       KeptFactorUnderWay::Place{s.r, s.q, s.cell, body.load_factor(), body.breaks()});
 }
 
-std::optional<KeptFactorUnderWay> TangentSolver::kept_under_way() const {
-  if (!kept_.at_hand()) return {};
+KeptFactorUnderWay TangentSolver::kept_under_way() const {
   KeptFactorUnderWay now = kept_.under_way();
-  now.made_at = kept_of_;
+  if (kept_.at_hand()) now.made_at = kept_of_;
   for (const std::vector<int>& unknowns : breaks_) now.breaks.emplace_back(unknowns.begin(), unknowns.end());
   return now;
 }
 
-bool TangentSolver::go_on_with_kept(StaticBody& body, const KeptFactorUnderWay& then,
+void TangentSolver::go_on_with_kept(StaticBody& body, const KeptFactorUnderWay& then,
                                     const std::vector<BondId>& broken) {
+  kept_.draw_on_from(then.random);
+  if (!then.made_at) return;
   const KeptFactorUnderWay::Place& at = *then.made_at;
   body.stand_as_then({at.r, at.q, at.load_factor, at.cell}, broken);
   prepare(body);
-  if (by_multigrid() || !factor_.factor_definite(body.tangent()) || !kept_.go_on_from(body.tangent(), then)) {
-    drop_kept();
-    return false;
-  }
+  if (by_multigrid() || !factor_.factor_definite(body.tangent()) || !kept_.go_on_from(body.tangent(), then))
+    return drop_kept();  // of another machine: a new one will do
   kept_of_ = then.made_at;
   for (const auto& unknowns : then.breaks) breaks_.emplace_back(unknowns.begin(), unknowns.end());
-  return true;
 }
 
 std::optional<int> TangentSolver::factor(const StaticBody& body) {

@@ -39,6 +39,7 @@ class KeptFactor {
   /// The factor has just been made anew of the matrix of then: all that it has come to since, to the last
   /// bit. False if it cannot be of that matrix.
   bool go_on_from(const SparseMatrix& A, const KeptFactorUnderWay& then);
+  void draw_on_from(const std::mt19937_64& random) { random_ = random; }
   void drop();
   bool at_hand() const { return at_hand_; }
   /// A new factor would be the cheaper way on: since the last proof as many solutions were needed as one

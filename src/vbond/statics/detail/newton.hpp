@@ -66,11 +66,11 @@ class TangentSolver {
   bool has_kept() const { return kept_.at_hand(); }
   /// No kept factor until another is made.
   void drop_kept();
-  /// The kept factor, as it can be made again; nothing without one.
-  std::optional<KeptFactorUnderWay> kept_under_way() const;
-  /// Makes it again with this body, which then stands where it stood as the factor was made. False if that
-  /// has no such factor.
-  bool go_on_with_kept(StaticBody& body, const KeptFactorUnderWay& then, const std::vector<BondId>& broken);
+  /// The kept factor, as it can be made again.
+  KeptFactorUnderWay kept_under_way() const;
+  /// Makes it again, if there was one, with this body, which then stands where it stood as the factor was
+  /// made. broken: bonds that had broken by then, since the body was made.
+  void go_on_with_kept(StaticBody& body, const KeptFactorUnderWay& then, const std::vector<BondId>& broken);
 
   /// Whether full_tangent() has factors of its own: where outside moments act, but not by multigrid.
   bool factors_full(const StaticBody& body) const { return !multigrid_ && body.has_moment_part(); }
