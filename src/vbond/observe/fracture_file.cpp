@@ -148,6 +148,8 @@ StaticResult result_of(const FiledFound& f, double load_factor) {
 }
 
 void file_factor(const KeptFactorUnderWay& k, FiledFracture& to) {
+  if (k.random != std::mt19937_64()) to.random = words_of(k.random);
+  if (!k.made_at) return;
   const KeptFactorUnderWay::Place& at = *k.made_at;
   to.factor = {at.load_factor, at.breaks, k.proofs, k.spent, k.in_cycle, k.recent};
   to.factor_r = at.r, to.factor_q = at.q;
@@ -161,7 +163,7 @@ void file_factor(const KeptFactorUnderWay& k, FiledFracture& to) {
     to.break_sizes.push_back({static_cast<std::int32_t>(unknowns.size())});
     for (const std::int32_t u : unknowns) to.break_unknowns.push_back({u});
   }
-  to.random_as_made = words_of(k.random_as_made), to.random = words_of(k.random);
+  to.random_as_made = words_of(k.random_as_made);
 }
 
 /// The next so many of these, from a place on that moves with them.
@@ -180,6 +182,8 @@ std::size_t size_of(const FiledCount& size) {
 
 KeptFactorUnderWay factor_of(const FiledFracture& f) {
   KeptFactorUnderWay k;
+  if (!f.random.empty()) k.random = random_of(f.random);
+  if (f.factor_r.empty()) return k;
   KeptFactorUnderWay::Place at{f.factor_r, f.factor_q, {}, f.factor.load_factor, f.factor.breaks};
   for (const FiledPlace& e : f.factor_cell) at.cell.push_back({.along = e.value});
   k.made_at = std::make_shared<const KeptFactorUnderWay::Place>(std::move(at));
@@ -195,7 +199,7 @@ KeptFactorUnderWay factor_of(const FiledFracture& f) {
   const auto exists = [&](const FiledCount& u) { return u.value >= 0 && u.value < f.numbers.unknowns; };
   for (const auto* unknowns : {&f.change_unknowns, &f.break_unknowns})
     require(std::all_of(unknowns->begin(), unknowns->end(), exists), "its factor is of other unknowns");
-  k.random_as_made = random_of(f.random_as_made), k.random = random_of(f.random);
+  k.random_as_made = random_of(f.random_as_made);
   k.proofs = f.factor.proofs, k.spent = f.factor.spent, k.in_cycle = f.factor.in_cycle;
   k.recent = f.factor.recent;
   return k;
@@ -250,7 +254,7 @@ void write_fracture(H5Writer& file, const FractureUnderWay& now) {
   f.turned = rows_with<FiledTurn>(now.turned_at_start);
   for (const auto& [i, j] : *now.pattern) f.pattern.push_back({i, j});
   f.remembered = now.remembered_before;
-  if (now.factor) file_factor(*now.factor, f);
+  file_factor(now.factor, f);
   write_tables(file, under_way_table, f);
   file.go_into(begun_path);
   write_tables(file, state_table, *now.begun);
@@ -286,7 +290,7 @@ std::shared_ptr<const FractureUnderWay> read_fracture(H5Reader& file, const Mode
   then->pattern = std::move(pattern);
   then->remembered_before = f.remembered;
   then->begun = std::make_shared<const State>(std::move(begun));
-  if (!f.factor_r.empty()) then->factor = factor_of(f);
+  then->factor = factor_of(f);
   check_sense(f, *then, model, state);
   return then;
 }
