@@ -85,7 +85,7 @@ std::string fracture(Dice& dice, Glue glue) {
   const Vec3d way = dice.one_of({Vec3d{0, 0, 0.3}, Vec3d{0, 0, -0.3}, Vec3d{0.3, 0, 0}, Vec3d{0.1, 0, 0.2}});
   std::string text =
       "[[stage]]\nname = \"break\"\nkind = \"fracture\"\nsteps = " + std::to_string(dice.count(2, 12)) +
-      "\nstop = {breaks = " + std::to_string(flows ? 12 : 40) + "}\n";
+      "\nstop = {breaks = {count = " + std::to_string(flows ? 12 : 40) + "}}\n";
   if (!flows && dice.chance(0.4)) text += "control = \"crack\"\n";
   std::string low = "{group = \"low\", fix = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]}", high;
   switch (dice.below(4)) {
