@@ -37,18 +37,17 @@ std::string list(const std::vector<std::string>& all) {
 
 /// Grains near the points of a cubic lattice; the lowest and the highest layer are groups.
 std::string body(Dice& dice, const std::array<std::size_t, 3>& n) {
-  std::vector<std::string> places, radii, low, high;
+  std::vector<std::string> places, low, high;
   for (std::size_t z = 0; z < n[2]; ++z)
     for (std::size_t y = 0; y < n[1]; ++y)
       for (std::size_t x = 0; x < n[0]; ++x) {
         (z == 0 ? low : high).push_back(std::to_string(places.size()));
         if (z > 0 && z + 1 < n[2]) high.pop_back();
         places.push_back(vector(Vec3d{double(x), double(y), double(z)} + dice.vector(0.08)));
-        radii.push_back(number(dice(0.38, 0.46)));
       }
   return "[[specimen]]\nkind = \"list\"\nmass = 1.0\npositions = " + list(places) +
-         "\nradius = " + list(radii) + "\n[groups]\nlow = {indices = " + list(low) +
-         "}\nhigh = {indices = " + list(high) + "}\n";
+         "\nradius = 0.42\n[groups]\nlow = {indices = " + list(low) + "}\nhigh = {indices = " + list(high) +
+         "}\n";
 }
 
 enum class Glue { linear, parallel, joints, softening };
@@ -74,8 +73,7 @@ std::string bonds(Dice& dice, Glue glue) {
     case Glue::softening:
       return text +
              "theory = \"bernoulli-euler\"\nE = 1.0\nnu = 0.2\nsection = {shape = \"circle\", diameter = "
-             "0.6}\nsoftening = {tension = 0.01, fracture_energy = 2e-4, section = {shape = \"circle\", "
-             "diameter = 0.6}}\n";
+             "0.6}\nsoftening = {tension = 0.01, fracture_energy = 2e-4}\n";
   }
   return text;
 }
@@ -185,7 +183,7 @@ class Runner {
     };
     hooks.interrupted = [this, &run, stop_at] {
       const bool counts = run.stages().kind(run.stage_index()) == StageKind::fracture;
-      return counts && asked_++ == stop_at;
+      return counts && ++asked_ > stop_at && stop_at >= 0;
     };
     run.set_hooks(std::move(hooks));
   }
@@ -222,6 +220,7 @@ testing::Verdict judge(unsigned seed, bool large, testing::Tally& tally) {
   const Made made(text_of(seed, large));
   Dice dice(seed + 45'000'000);
   Runner runner(made);
+  if (std::getenv("SHOW")) std::printf("%s\n", text_of(seed, large).c_str());
   Left whole;
   try {
     whole = runner.whole();
@@ -241,7 +240,18 @@ testing::Verdict judge(unsigned seed, bool large, testing::Tally& tally) {
   tally.add("that flow", runner.flowing);
   for (const StageResult& r : whole.results)
     if (r.statics) tally.add("breaks", static_cast<double>(r.statics->fracture.breaks.size()));
-  if (stopped.load_factors != whole.load_factors) return testing::wrong("other balances");
+  if (stopped.load_factors != whole.load_factors) {
+    for (const Left* l : {static_cast<const Left*>(&whole), static_cast<const Left*>(&stopped)})
+      for (const StageResult& r : l->results)
+        std::printf("DEBUG %s steps %ld ended %s breaks %zu points %d lf %.17g %s\n", r.name.c_str(), long(r.steps), r.statics ? r.statics->ended.c_str() : "-", r.statics ? r.statics->fracture.breaks.size() : 0, r.statics ? r.statics->points : 0, r.statics ? r.statics->load_factor : 0, r.statics ? r.statics->fracture.reason.c_str() : "");
+    const auto [a, b] = std::mismatch(whole.load_factors.begin(), whole.load_factors.end(),
+                                      stopped.load_factors.begin(), stopped.load_factors.end());
+    return testing::wrong("balance " + std::to_string(a - whole.load_factors.begin()) + " of " +
+                          std::to_string(whole.load_factors.size()) + " is another one: " +
+                          (a == whole.load_factors.end() || b == stopped.load_factors.end()
+                               ? "missing"
+                               : number(*a) + ", " + number(*b)));
+  }
   if (stopped.results.size() != whole.results.size() ||
       !std::equal(whole.results.begin(), whole.results.end(), stopped.results.begin(), same))
     return testing::wrong("other results");
@@ -263,7 +273,8 @@ TEST(FractureResumedCampaign, LeavesTheSameBitsWithAKeptFactor) {
   const testing::Tally tally =
       testing::campaign("fracture resumed with a kept factor", 3,
                         [](unsigned seed, testing::Tally& t) { return judge(seed, true, t); });
-  if (tally.full) EXPECT_GT(tally.sum("with a kept factor"), 0);
+  if (!tally.full) return;
+  EXPECT_GT(tally.sum("with a kept factor"), 0);
 }
 
 }  // namespace
