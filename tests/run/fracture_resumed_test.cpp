@@ -50,7 +50,9 @@ std::string body(Dice& dice, const std::array<std::size_t, 3>& n) {
          "}\n";
 }
 
-enum class Glue { linear, parallel, joints, softening };
+const std::string clamp = "fix = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]";
+
+enum class Glue : std::uint8_t { linear, parallel, joints, softening };
 
 std::string bonds(Dice& dice, Glue glue) {
   const std::string scatter = ", weibull = {modulus = " + number(dice(3, 12)) +
@@ -78,34 +80,38 @@ std::string bonds(Dice& dice, Glue glue) {
   return text;
 }
 
-std::string fracture(Dice& dice, Glue glue) {
+/// What breaks a body: its highest layer is moved or loaded, or something else.
+enum class By : std::uint8_t { way, grip, free_grip, force, cell, heat, walls, skin };
+
+std::string fracture(Dice& dice, Glue glue, By by) {
   const bool flows = glue == Glue::joints || glue == Glue::softening;
   const Vec3d way = dice.one_of({Vec3d{0, 0, 0.3}, Vec3d{0, 0, -0.3}, Vec3d{0.3, 0, 0}, Vec3d{0.1, 0, 0.2}});
   std::string text =
       "[[stage]]\nname = \"break\"\nkind = \"fracture\"\nsteps = " + std::to_string(dice.count(2, 12)) +
-      "\nstop = {breaks = {count = " + std::to_string(flows ? 12 : 40) + "}}\n";
+      "\nstop = {breaks = {count = " + std::to_string(flows ? 12 : dice.count(20, 120)) + "}}\n";
   if (!flows && dice.chance(0.4)) text += "control = \"crack\"\n";
-  std::string low = "{group = \"low\", fix = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]}", high;
-  switch (dice.below(4)) {
-    case 0:
-      high = "{group = \"high\", fix = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"], displacement = " +
-             vector(way) + "}";
-      break;
-    case 1: high = "{group = \"high\", rigid = true, displacement = " + vector(way) + "}"; break;
-    case 2:  // a grip that is free but for its way
-      high =
-          "{group = \"high\", rigid = true, fix = [\"x\", \"y\", \"z\"], displacement = " + vector(way) + "}";
-      break;
-    default:
-      return text + "supports = [" + low + "]\nloads = [{group = \"high\", force = " + vector(0.4 * way) +
-             "}]\n";
+  const auto supports = [](const std::string& high) {
+    return "supports = [{group = \"low\", " + clamp + "}" + (high.empty() ? "" : ", {group = \"high\", ") +
+           high + (high.empty() ? "" : "}") + "]\n";
+  };
+  switch (by) {
+    case By::way: return text + supports(clamp + ", displacement = " + vector(way));
+    case By::grip: return text + supports("rigid = true, displacement = " + vector(way));
+    case By::free_grip:
+      return text + supports("rigid = true, fix = [\"x\", \"y\", \"z\"], displacement = " + vector(way));
+    case By::force:
+      return text + supports("") + "loads = [{group = \"high\", force = " + vector(0.4 * way) + "}]\n";
+    case By::cell:
+      return text + "cell = {zz = {strain = 0.2}, xx = {stress = " + number(dice(-0.01, 0.0)) + "}}\n";
+    case By::heat: return text + supports("") + "temperatures = [{group = \"high\", change = 60.0}]\n";
+    case By::walls: return text + supports("") + "walls = [{wall = \"lid\", displacement = [0, 0, -0.4]}]\n";
+    case By::skin: return text + supports("") + "pressures = [{surface = \"skin\", pressure = 0.3}]\n";
   }
-  return text + "supports = [" + low + ", " + high + "]\n";
+  return text;
 }
 
 std::string other_stage(Dice& dice, const char* name) {
-  const std::string held =
-      "supports = [{group = \"low\", fix = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]}]\n";
+  const std::string held = "supports = [{group = \"low\", " + clamp + "}]\n";
   if (dice.chance(0.5))
     return std::string("[[stage]]\nname = \"") + name + "\"\nduration = 2.0\ngravity = [0, 0, -1e-4]\n" +
            held;
@@ -204,14 +210,29 @@ std::string text_of(unsigned seed, bool large) {
   const Glue glue =
       large ? dice.one_of({Glue::linear, Glue::parallel})
             : dice.one_of({Glue::linear, Glue::linear, Glue::parallel, Glue::joints, Glue::softening});
-  std::string text =
-      body(dice, large ? std::array<std::size_t, 3>{9, 9, 9}
-                       : std::array<std::size_t, 3>{dice.count(2, 4), dice.count(1, 3), dice.count(3, 5)});
-  text += bonds(dice, glue);
-  if (dice.chance(0.4)) text += "[contact]\nlaw = \"linear\"\nk = 1.0\npairs = \"unbonded\"\n";
-  const bool before = !large && dice.chance(0.4), after = !large && dice.chance(0.4);
+  By by = large ? dice.one_of({By::way, By::grip}) : static_cast<By>(dice.below(8));
+  if (glue == Glue::joints && by == By::heat) by = By::way;
+  const auto n = large ? std::array<std::size_t, 3>{9, 9, 9}
+                 : by == By::cell
+                     ? std::array<std::size_t, 3>{dice.count(3, 4), 3, dice.count(3, 4)}
+                     : std::array<std::size_t, 3>{dice.count(2, 4), dice.count(2, 3), dice.count(3, 5)};
+  std::string text = body(dice, n) + bonds(dice, glue);
+  if (by == By::heat) text += "expansion = 1e-3\n";
+  if (by == By::walls || dice.chance(0.4))
+    text += "[contact]\nlaw = \"linear\"\nk = 1.0\npairs = \"unbonded\"\n";
+  const std::string top = vector({0, 0, double(n[2]) - 0.5});
+  if (by == By::walls)
+    text += "[[wall]]\nname = \"lid\"\nshape = \"plane\"\npoint = " + top + "\nnormal = [0, 0, -1]\n";
+  if (by == By::cell)
+    text += "[cell]\na = " + vector({double(n[0]), 0, 0}) + "\nb = " + vector({0, double(n[1]), 0}) +
+            "\nc = " + vector({0, 0, double(n[2])}) + "\n";
+  const bool alone = large || by == By::cell || by == By::walls;
+  const bool before = !alone && dice.chance(0.4), after = !alone && dice.chance(0.4);
+  if (by == By::walls)
+    text += "[[stage]]\nname = \"press\"\nkind = \"equilibrium\"\nsupports = [{group = \"low\", " + clamp +
+            "}]\nwalls = [{wall = \"lid\", displacement = [0, 0, -0.2]}]\n";
   if (before) text += other_stage(dice, "before");
-  text += fracture(dice, glue);
+  text += fracture(dice, glue, by);
   if (after) text += other_stage(dice, "after");
   return text;
 }
@@ -243,7 +264,11 @@ testing::Verdict judge(unsigned seed, bool large, testing::Tally& tally) {
   if (stopped.load_factors != whole.load_factors) {
     for (const Left* l : {static_cast<const Left*>(&whole), static_cast<const Left*>(&stopped)})
       for (const StageResult& r : l->results)
-        std::printf("DEBUG %s steps %ld ended %s breaks %zu points %d lf %.17g %s\n", r.name.c_str(), long(r.steps), r.statics ? r.statics->ended.c_str() : "-", r.statics ? r.statics->fracture.breaks.size() : 0, r.statics ? r.statics->points : 0, r.statics ? r.statics->load_factor : 0, r.statics ? r.statics->fracture.reason.c_str() : "");
+        std::printf("DEBUG %s steps %ld ended %s breaks %zu points %d lf %.17g %s\n", r.name.c_str(),
+                    long(r.steps), r.statics ? r.statics->ended.c_str() : "-",
+                    r.statics ? r.statics->fracture.breaks.size() : 0, r.statics ? r.statics->points : 0,
+                    r.statics ? r.statics->load_factor : 0,
+                    r.statics ? r.statics->fracture.reason.c_str() : "");
     const auto [a, b] = std::mismatch(whole.load_factors.begin(), whole.load_factors.end(),
                                       stopped.load_factors.begin(), stopped.load_factors.end());
     return testing::wrong("balance " + std::to_string(a - whole.load_factors.begin()) + " of " +
