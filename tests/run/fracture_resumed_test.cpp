@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <cstdio>
 #include <memory>
 #include <string>
 #include <vector>
@@ -241,7 +243,6 @@ testing::Verdict judge(unsigned seed, bool large, testing::Tally& tally) {
   const Made made(text_of(seed, large));
   Dice dice(seed + 45'000'000);
   Runner runner(made);
-  if (std::getenv("SHOW")) std::printf("%s\n", text_of(seed, large).c_str());
   Left whole;
   try {
     whole = runner.whole();
@@ -262,13 +263,6 @@ testing::Verdict judge(unsigned seed, bool large, testing::Tally& tally) {
   for (const StageResult& r : whole.results)
     if (r.statics) tally.add("breaks", static_cast<double>(r.statics->fracture.breaks.size()));
   if (stopped.load_factors != whole.load_factors) {
-    for (const Left* l : {static_cast<const Left*>(&whole), static_cast<const Left*>(&stopped)})
-      for (const StageResult& r : l->results)
-        std::printf("DEBUG %s steps %ld ended %s breaks %zu points %d lf %.17g %s\n", r.name.c_str(),
-                    long(r.steps), r.statics ? r.statics->ended.c_str() : "-",
-                    r.statics ? r.statics->fracture.breaks.size() : 0, r.statics ? r.statics->points : 0,
-                    r.statics ? r.statics->load_factor : 0,
-                    r.statics ? r.statics->fracture.reason.c_str() : "");
     const auto [a, b] = std::mismatch(whole.load_factors.begin(), whole.load_factors.end(),
                                       stopped.load_factors.begin(), stopped.load_factors.end());
     return testing::wrong("balance " + std::to_string(a - whole.load_factors.begin()) + " of " +
