@@ -23,16 +23,17 @@ step() {
   echo "== $name: passed in $((SECONDS - start)) s"
 }
 
-# With vbond-lammps and the Python module, whose tests are then among those to come: they take the library as it is.
+# built SLOW: with vbond-lammps and the Python module, whose tests are then among those to come: they take the library as
+# it is. SLOW: whether to build the programs of slow tests (ON, OFF).
 built() {
-  local lammps=ON python=ON
+  local slow=$1 lammps=ON python=ON
   (source tools/setup.sh; need "${vbond_lammps_packages[@]}") ||
     { lammps=OFF; echo "SKIPPED: Ranks.*: no LAMMPS, or no MPI"; }
   (source tools/setup.sh; need "${vbond_python_packages[@]}" "${vbond_python_test_packages[@]}") ||
     { python=OFF; echo "SKIPPED: Python.*: no pybind11, numpy or pytest"; }
   local -x CXXFLAGS=$strict
   (source tools/setup.sh
-   configure_options=(-D VBOND_TESTS=ON "${vbond_python_options[@]}" -D VBOND_PYTHON=$python -D VBOND_LAMMPS=$lammps)
+   configure_options=(-D VBOND_TESTS=ON -D VBOND_SLOW_TESTS=$slow "${vbond_python_options[@]}" -D VBOND_PYTHON=$python -D VBOND_LAMMPS=$lammps)
    build release)
 }
 

@@ -253,6 +253,10 @@ void check_edits(const Case& c, const State& start, const State& now, const fs::
          "stages that have begun cannot be left out",
          "undo the edit"});
   const PerBond<Bond>& made = start.bonds;
+  const auto later = std::find_if(now.warm_bonds.begin(), now.warm_bonds.end(),
+                                  [&](const WarmBond& w) { return w.bond.value >= made.size(); });
+  const bool expand_alike =
+      std::equal(start.warm_bonds.begin(), start.warm_bonds.end(), now.warm_bonds.begin(), later);
   auto warm = now.warm_bonds.begin();  // in order of bonds
   const auto is_kept = [&](BondId k) {
     const bool expands = warm != now.warm_bonds.end() && warm->bond == k;
@@ -260,7 +264,7 @@ void check_edits(const Case& c, const State& start, const State& now, const fs::
     kept.broken = made[k].broken, kept.mode = made[k].mode;
     return made[k] == kept;
   };
-  bool all_kept = made.size() <= now.bonds.size();
+  bool all_kept = expand_alike && made.size() <= now.bonds.size();
   for (BondId k{0}; all_kept && k.value < made.size(); ++k.value) all_kept = is_kept(k);
   if (all_kept) return;
   throw CaseError(

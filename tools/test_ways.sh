@@ -6,8 +6,9 @@
 test_way() {
   preset=release targets=() select=()
   case ${1-} in
-    "") select=(--label-exclude validation) ;;
+    "") select=(--label-exclude "slow|validation") ;;
     --quick) select=(--label-regex quick) ;;
+    --slow) select=(--label-regex slow) ;;
     --validation) select=(--label-regex validation) ;;
     --sanitize) preset=sanitize select=(--label-regex quick --label-exclude scripts) ;;
     --petsc) preset=petsc targets=(vbond_program test_multigrid) select=(--label-regex petsc) ;;

@@ -117,3 +117,39 @@ def test_stages_that_have_begun_keep_their_places(work, by):
     Path(folder, "status.json").write_text("{")
     vbond("resume", folder, err=["not checked whether the stages", "status.json: is not a status of a run"])
     assert values(folder, "name")[-3:] == ["first", "second", "last"]
+
+
+WARM = """
+[[specimen]]
+kind = "list"
+positions = [[0, 0, 0], [1, 0, 0]]
+mass = 1.0
+radius = 0.3
+[[bonds]]
+distance = 1.1
+expansion = 0.01
+stiffness = {c_A = 100.0, c_D = 10.0, c_B = 10.0, c_T = 10.0}
+[time]
+step = 0.001
+[[stage]]
+duration = 1000000.0
+damping = {translation = 5.0}
+temperatures = [{temperature = 2.0}]
+[output]
+history = {every = 10.0, displacements = [1, 0]}
+"""
+
+
+def test_other_temperatures_act_and_other_expansions_are_refused(work):
+    stop_at(3, "warm", "run", write("warm.toml", WARM), "-o", "warm", by=SIGTERM)
+    whole = Path("warm/resolved.toml").read_text()
+    Path("warm/resolved.toml").write_text(whole.replace("expansion = 0.01", "expansion = 0.05"))
+    vbond("resume", "warm", status=2, err="its bonds are not those of the checkpoint")
+    now = int(Path("warm/history.csv").read_text().splitlines()[-1].split(",")[0].split(".")[0])
+    Path("warm/resolved.toml").write_text(
+        whole.replace("temperature = 2.0", "temperature = 5.0").replace("1000000.0", f"{now + 40}.0"))
+    vbond("resume", "warm")
+    last = dict(zip(*(line.split(",") for line in (Path("warm/history.csv").read_text().splitlines()[k] for k in (0, -1)))))
+    grown = float(last["displacement.1.x"]) - float(last["displacement.0.x"])
+    assert abs(grown - 0.05) < 1e-6
+    assert abs(float(last["balance_error"])) < 1e-4  # the jump is booked; (omega dt)^2 = 2e-4 of it is not

@@ -1,10 +1,11 @@
 #include "balance.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
+
+#include "vbond/statics/detail/dense.hpp"
 
 namespace vbond::campaign {
 namespace {
@@ -31,8 +32,7 @@ SparseMatrix bordered(const SparseMatrix& K, const Vector& q, Control control) {
 }
 
 int dense_count(const SparseMatrix& K) {
-  const Eigen::SelfAdjointEigenSolver<DenseMatrix> solver(DenseMatrix(K), Eigen::EigenvaluesOnly);
-  return static_cast<int>((solver.eigenvalues().array() < 0.0).count());
+  return static_cast<int>((dense_eigenvalues(K).values.array() < 0.0).count());
 }
 
 /// Eigenvalues next to zero, by inverse iteration with a block and Ritz values.
@@ -45,13 +45,12 @@ std::optional<Vector> next_to_zero(const SparseMatrix& K, int wanted, int block)
     for (int b = 0; b < block; ++b) X(k, b) = std::cos(1.0 + 0.7 * k * (b + 1) + 0.3 * b * b);
   Vector last = Vector::Zero(block);
   for (int round = 0; round < 200; ++round) {
-    const DenseMatrix Q =
-        Eigen::HouseholderQR<DenseMatrix>(X).householderQ() * DenseMatrix::Identity(n, block);
+    const DenseMatrix Q = orthonormal(X);
     const DenseMatrix Y = lu.solve(Q);
     const DenseMatrix S = Q.transpose() * Y;
-    const Eigen::SelfAdjointEigenSolver<DenseMatrix> ritz(0.5 * (S + S.transpose()));
-    X = Y * ritz.eigenvectors();
-    Vector inverse = ritz.eigenvalues();
+    const DenseEigen ritz = dense_eigenpairs(0.5 * (S + S.transpose()));
+    X = Y * ritz.vectors;
+    Vector inverse = ritz.values;
     std::sort(inverse.begin(), inverse.end(), [](double a, double b) { return std::abs(a) > std::abs(b); });
     const double change =
         ((inverse - last).head(wanted).array() / inverse.head(wanted).array()).abs().maxCoeff();
@@ -146,8 +145,7 @@ std::optional<double> Balances::eigenvalue(const Node& node, int j) {
       if (const auto value = pick(values->head(wanted))) return value;
   }
   if (n > 1500) return {};
-  return pick(
-      Eigen::SelfAdjointEigenSolver<DenseMatrix>(DenseMatrix(K), Eigen::EigenvaluesOnly).eigenvalues());
+  return pick(dense_eigenvalues(K).values);
 }
 
 double Balances::largest_stiffness() const {

@@ -94,6 +94,31 @@ TEST(Wall, ThatHasMovedTurnsAboutItsPointWhereItIs) {
   }
 }
 
+// A free servo of mass 2 under a force of 1 goes F t^2/2M, in one stage or in two of other steps. Another
+// direction begins from rest.
+TEST(Wall, ThatAServoDrivesGoesOnInTheNextStage) {
+  Specimen s = sphere({0, 0, 50}, 0.1, 1.0, linear(1e3, 0.0), {floor_at(0)});
+  Stage stage = testing::plain_stage(1e-2, 1.0);
+  stage.walls = {drive("floor", 0)};
+  stage.walls[0].servo = WallDrive::Servo{{0, 0, -1}, 1.0, {}, 2.0, 0.0, 10.0};
+  Stage finer = stage, back = stage, across = stage;
+  finer.dt = 5e-3;
+  back.walls[0].servo->direction = {0, 0, 1};
+  across.walls[0].servo->direction = {1, 0, 0};
+  const auto ends_at = [&](const Stage& second) {
+    Simulation first(s.model, stage, s.state);
+    first.run();
+    Simulation run = next(s, second, first);
+    run.run();
+    return run.walls()[0].displacement;
+  };
+  EXPECT_LE(norm(ends_at(stage) - Vec3d{0, 0, -1.0}), 1e-13);
+  EXPECT_LE(norm(ends_at(finer) - Vec3d{0, 0, -1.0}), 1e-13);
+  // -1/4 - 1/2 + 1/4; the half step before the change is under the force after it
+  EXPECT_LE(norm(ends_at(back) - Vec3d{0, 0, -0.5}), 0.5 * stage.dt + 1e-13);
+  EXPECT_LE(norm(ends_at(across) - Vec3d{0.25, 0, -0.25}), 1e-13);
+}
+
 // So does one that moves, swings or is driven as it turns: its point goes as without the rotation.
 TEST(Wall, ThatTurnsAboutItsPointGoesAsWithout) {
   Specimen s = sphere({0, 0, 50}, 0.1, 1.0, linear(1e3, 0.0), {floor_at(0)});

@@ -89,6 +89,26 @@ TEST(PassageEnds, DisplacementsCountFromWhereABodyCameIn) {
   }
 }
 
+// A region repeats with the cell: two grains cross a face, and are where the region is by an image. Wherever
+// they are, they are in a region as wide as the cell.
+TEST(PassageEnds, ASinkTakesWhatItsRegionHoldsAnImageOf) {
+  const auto particles_after = [](const std::string& sink) {
+    const Made made(
+        "[cell]\na = [4, 0, 0]\nb = [0, 4, 0]\nc = [0, 0, 40]\nopen = [\"c\"]\n[time]\nstep = 0.01\n"
+        "[[specimen]]\nkind = \"list\"\npositions = [[1, 1, 3], [3, 3, 3]]\nmass = 1.0\nradius = 0.3\n"
+        "[[velocities]]\nvelocity = [2, 0, -1]\n[[stage]]\nduration = 8\n[[sink]]\nevery = 0.1\n" +
+        sink);
+    vbond::Run run = made.run();
+    run.run();
+    return run.current().r.size() - run.current().taken.size();
+  };
+  EXPECT_EQ(particles_after("box = { min = [0, 0, -10], max = [4, 4, 0] }\n"), 0u);
+  EXPECT_EQ(particles_after("box = { min = [8, 0, -10], max = [12, 4, 0] }\n"), 0u) << "an image of it";
+  EXPECT_EQ(particles_after("box = { min = [0, 0, -10], max = [4, 2, 0] }\n"), 1u)
+      << "y = 3 passes beside it";
+  EXPECT_EQ(particles_after("takes = \"outside\"\nbox = { min = [0, 0, -10], max = [4, 4, 10] }\n"), 2u);
+}
+
 /// What is told of the source as its stage ends.
 std::string told_at_end(const std::string& more) {
   const Made made(grain + "[[source]]\nspecimen = \"grain\"\ncount = 20\n" + more);

@@ -8,6 +8,7 @@
 
 #include "dynamics/rods.hpp"
 #include "vbond/model/energies.hpp"
+#include "vbond/model/periodic_cell.hpp"
 
 namespace vbond {
 namespace {
@@ -163,6 +164,61 @@ TEST(Run, VelocitiesSetToWhatTheyAreChangeNothing) {
   run.set_velocities(run.state().v, run.state().omega);
   run.run();
   EXPECT_TRUE(run.state() == whole.state());
+}
+
+/// Two particles one apart, without bonds, as one body that may go along x and y, and turn about z.
+Stage sledge() {
+  Stage stage = testing::plain_stage(0.01, 1.0);
+  stage.supports = {testing::held({ParticleId{0}, ParticleId{1}}, {false, false, true, true, true, false})};
+  stage.supports[0].rigid = true;
+  return stage;
+}
+
+// A clump goes on with the momentum that its particles are given, before its first step and after some: here
+// of one of them, so that the pair turns, too.
+TEST(Run, NewVelocitiesOfAClumpAreItsMotion) {
+  const Specimen s = testing::straight_rod(2);
+  for (const std::int64_t at : {0, 1, 40}) {
+    vbond::Run run(s.model, s.state, {sledge()});
+    run.step(at);
+    run.set_velocity({ParticleId{1}}, {0, 0.5, 0});
+    run.step(1);
+    const double m = s.model.mass[ParticleId{0}], theta = s.model.inertia[ParticleId{0}],
+                 spin = 0.5 * m * 0.5 / (0.5 * m + 2 * theta);  // arms of 1/2
+    const Vec3d v = 0.5 * (run.state().v[ParticleId{0}] + run.state().v[ParticleId{1}]);
+    EXPECT_LE(norm(v - Vec3d{0, 0.25, 0}), 1e-14) << at;
+    EXPECT_NEAR(run.state().omega[ParticleId{1}].z, spin, 1e-14) << at;
+    run.run();
+    EXPECT_LT(balance_error(run), 1e-12) << at;
+  }
+}
+
+// The books have what particles move beside the flow of the cell.
+TEST(Run, NewVelocitiesInACellThatMovesAreBookedAsWork) {
+  Specimen s = testing::straight_rod(5);
+  s.model.cell = {{Vec3d{9, 0, 0}, Vec3d{0, 9, 0}, Vec3d{0, 0, 9}}, {true, true, true}, {}, false};
+  s.state.cell = cell_at_start(s.model);
+  Stage stage = testing::plain_stage(0.05, 4.0);
+  stage.cell.component[0] = {CellComponent::By::strain, 0.01, {}};
+  stage.cell.component[5] = {CellComponent::By::strain, 0.02, {}};
+  for (const std::int64_t at : {0, 20}) {
+    vbond::Run run(s.model, s.state, {stage});
+    run.step(at);
+    PerParticle<Vec3d> v = run.state().v;
+    for (Vec3d& of : v) of += {0.01, 0.02, -0.01};
+    const double before = run.state().books.work_loads;
+    run.set_velocities(v, run.state().omega);
+    if (at > 0) {
+      double work = 0.0;
+      const Tensor L = cell_velocity_gradient(run.state().cell);
+      for (const ParticleId p : v.ids()) {
+        const Vec3d c = v[p] - times(L, run.state().r[p]), change{0.01, 0.02, -0.01};
+        work += 0.5 * s.model.mass[p] * (norm2(c) - norm2(c - change));
+      }
+      EXPECT_NEAR(run.state().books.work_loads - before, work, 1e-15) << at;
+    }
+    run.run();
+  }
 }
 
 // A load that is added at step 0 is one that the stage had from the start.

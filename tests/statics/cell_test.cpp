@@ -1,7 +1,7 @@
 // Periodic bodies at rest: the cell goes to a strain, a stress, or both.
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "campaigns/dice.hpp"
+#include "decompositions.hpp"
 #include "derivative.hpp"
 #include "differences.hpp"
 #include "periodic.hpp"
@@ -44,7 +45,7 @@ Matrix6 constants_of(const Specimen& s) {
   const Eigen::Index n = K.rows() - 6;
   const DenseMatrix E_u = K.bottomLeftCorner(6, n);
   const Matrix6 left =
-      K.bottomRightCorner<6, 6>() - E_u * K.topLeftCorner(n, n).ldlt().solve(E_u.transpose());
+      K.bottomRightCorner<6, 6>() - E_u * testing::solved(K.topLeftCorner(n, n), E_u.transpose());
   Matrix6 C = sq(body.unknowns().cell_length()) / volume(s.state.cell) * left;
   if (!s.model.cell.triangular)  // a symmetric F has the shear twice
     for (int k : {3, 4, 5}) C.row(k) *= 0.5, C.col(k) *= 0.5;

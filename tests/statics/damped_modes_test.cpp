@@ -2,13 +2,14 @@
 // (s^2 M + s C + K) x = 0 says. The matrices are put together here, bond by bond.
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <complex>
 #include <vector>
 
+#include "decompositions.hpp"
 #include "material_cases.hpp"
 #include "statics/bodies.hpp"
 
@@ -55,11 +56,11 @@ struct PlaneChain {
   }
   /// (x, x')' = A (x, x').
   MatrixXd first_order() const {
-    const MatrixXd per_mass = masses().inverse();
+    const MatrixXd m = masses();
     MatrixXd A = MatrixXd::Zero(2 * size(), 2 * size());
     A.topRightCorner(size(), size()).setIdentity();
-    A.bottomLeftCorner(size(), size()) = -per_mass * matrix(c);
-    A.bottomRightCorner(size(), size()) = -per_mass * matrix(g);
+    A.bottomLeftCorner(size(), size()) = -testing::solved(m, matrix(c));
+    A.bottomRightCorner(size(), size()) = -testing::solved(m, matrix(g));
     return A;
   }
 };
@@ -82,12 +83,10 @@ struct DampedMode {
 
 /// Those that swing with Im s > 0, the slowest first.
 std::vector<DampedMode> damped_modes(const PlaneChain& chain) {
-  const Eigen::EigenSolver<MatrixXd> solver(chain.first_order());
-  const MatrixXcd X = solver.eigenvectors(), inverse = X.inverse();
+  const auto [values, X, inverse] = testing::diagonalised(chain.first_order());
   std::vector<DampedMode> modes;
   for (Eigen::Index k = 0; k < X.cols(); ++k)
-    if (solver.eigenvalues()[k].imag() > 0.0)
-      modes.push_back({solver.eigenvalues()[k], X.col(k), inverse.row(k)});
+    if (values[k].imag() > 0.0) modes.push_back({values[k], X.col(k), inverse.row(k)});
   std::sort(modes.begin(), modes.end(),
             [](const DampedMode& a, const DampedMode& b) { return a.s.imag() < b.s.imag(); });
   return modes;

@@ -3,7 +3,7 @@
 // them, and solves with all unknowns at once.
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -15,6 +15,7 @@
 #include "statics/bodies.hpp"
 #include "vbond/model/bond_sums.hpp"
 #include "vbond/physics/laws.hpp"
+#include "vbond/statics/detail/dense.hpp"
 
 namespace vbond::dead_moments_test {
 namespace {
@@ -102,7 +103,7 @@ class PlainStepping {
     while (f < 1.0) {
       const State from = s_;
       const double to = std::min(1.0, f + step);
-      move((to - f) * tangent().partialPivLu().solve(applied(1.0)));
+      move((to - f) * solve_dense(tangent(), applied(1.0)));
       if (correct(to)) {
         f = to;
         step = std::min(1.0 / steps, 2.0 * step);
@@ -190,7 +191,7 @@ class PlainStepping {
         if (s_.bonds[b].i.value > 0) g.segment(row(s_.bonds[b].i), 6) += l.head(6);
         if (s_.bonds[b].j.value > 0) g.segment(row(s_.bonds[b].j), 6) += l.tail(6);
       }
-      const Column x = tangent().partialPivLu().solve(g);
+      const Column x = solve_dense(tangent(), g);
       const double largest = x.cwiseAbs().maxCoeff();
       if (!(largest < 0.1)) return false;
       move(x);

@@ -1,8 +1,9 @@
 #include "vbond/statics/detail/eigen.hpp"
+#include "decompositions.hpp"
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -214,14 +215,14 @@ TEST(CriticalFactors, AreFewerIfThereAreFewer) {
     const int n = static_cast<int>(A.rows()), points[3] = {1, n / 2, n - 3};
     std::vector<Eigen::Triplet<double>> g;
     DenseMatrix theta(3, 3);
-    const DenseMatrix G = DenseMatrix(A).llt().solve(DenseMatrix::Identity(n, n));
+    const DenseMatrix G = testing::solved(A, DenseMatrix::Identity(n, n));
     for (int i = 0; i < 3; ++i) {
       g.emplace_back(points[i], points[i], -(i + 1.0));
       for (int j = 0; j < 3; ++j)
         theta(i, j) = std::sqrt(i + 1.0) * G(points[i], points[j]) * std::sqrt(j + 1.0);
     }
     const SparseMatrix B = from_triplets(n, g);
-    const Vector expected = Eigen::SelfAdjointEigenSolver<DenseMatrix>(theta).eigenvalues().cwiseInverse();
+    const Vector expected = dense_eigenvalues(theta).values.cwiseInverse();
     const EigenPairs found = critical_factors(A, B, 6);
     ASSERT_EQ(found.values.size(), 3) << n;
     for (int k = 0; k < 3; ++k) EXPECT_NEAR(found.values[k] / expected[2 - k], 1.0, 1e-11) << n;

@@ -1,7 +1,7 @@
 // Plates that sheets are: closed forms of lattices, and random sheets that are curved.
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <array>
 #include <cmath>
 #include <optional>
@@ -14,6 +14,7 @@
 #include "campaigns/judge.hpp"
 #include "periodic.hpp"
 #include "vbond/core/error.hpp"
+#include "vbond/statics/detail/dense.hpp"
 #include "vbond/statics/homogenise_sheet.hpp"
 
 namespace vbond::homogenise_sheet_test {
@@ -257,10 +258,10 @@ class Curved {
       for (Eigen::Index j = 0; j <= i; ++j)
         H(i, j) = H(j, i) =
             (at(i, h, j, h) - at(i, h, j, -h) - at(i, -h, j, h) + at(i, -h, j, -h)) / (4 * h * h);
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> e(H.topLeftCorner(n - 1, n - 1));
+    const DenseEigen e = dense_eigenpairs(H.topLeftCorner(n - 1, n - 1));
     double S = H(n - 1, n - 1);
     for (Eigen::Index k = 0; k < n - 1; ++k) {
-      const double part = e.eigenvectors().col(k).dot(H.col(n - 1).head(n - 1)), value = e.eigenvalues()[k];
+      const double part = e.vectors.col(k).dot(H.col(n - 1).head(n - 1)), value = e.values[k];
       if (value > 1e-4) S -= part * part / value;
       if (value > 1e-6 && value < 1e-4) return std::nullopt;
     }

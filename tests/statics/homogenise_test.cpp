@@ -1,7 +1,7 @@
 // Elastic constants of periodic bodies, and what follows from them.
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <array>
 #include <cmath>
 #include <cstdio>

@@ -1,7 +1,7 @@
 // Bodies without stress, placed anywhere: all their forces are rounding, and none is a part of another.
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -12,6 +12,7 @@
 #include "vbond/core/error.hpp"
 #include "vbond/model/bond_sums.hpp"
 #include "vbond/physics/laws.hpp"
+#include "vbond/statics/detail/dense.hpp"
 
 namespace vbond::rest_test {
 namespace {
@@ -98,8 +99,7 @@ Eigen::VectorXd frequencies_by_differences(const Specimen& s) {
     const double root = std::sqrt(dof % 6 < 3 ? s.model.mass[p] : s.model.inertia[p]);
     K.col(static_cast<Eigen::Index>(dof)) = (loads_beside(dof, -h) - loads_beside(dof, h)) / (2 * h * root);
   }
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(0.5 * (K + K.transpose()), Eigen::EigenvaluesOnly)
-      .eigenvalues();
+  return dense_eigenvalues(0.5 * (K + K.transpose())).values;
 }
 
 StaticResult modes_of(const Specimen& s, int count) {

@@ -1,8 +1,9 @@
 #include "vbond/statics/detail/unsymmetric_factor.hpp"
+#include "decompositions.hpp"
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cstdlib>
 #include <limits>
 
@@ -32,7 +33,7 @@ TEST(UnsymmetricFactor, SolvesAndTellsTheSignOfTheDeterminant) {
     const Vector b = random_vector(n, 100 + seed);
     ASSERT_TRUE(factor.factor(A)) << seed;
     EXPECT_LE((A * factor.solve(b) - b).norm(), 1e-12 * b.norm()) << seed;
-    const double determinant = DenseMatrix(A).determinant();
+    const double determinant = testing::determinant(A);
     EXPECT_EQ(factor.sign(), determinant < 0.0 ? -1 : 1) << seed;
     ++signs[determinant < 0.0 ? 0 : 1];
   }

@@ -1,10 +1,13 @@
 #pragma once
 #include <array>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "vbond/core/bounding_box.hpp"
 #include "vbond/core/cell.hpp"
 #include "vbond/core/near_pairs.hpp"
 #include "vbond/core/sized_points.hpp"
@@ -37,6 +40,29 @@ std::optional<Image> as_near(const CellEdges& cell, const Periodic& periodic, co
 /// edges that are open.
 std::array<double, 3> farthest_images(const CellEdges& cell, const Periodic& periodic,
                                       std::span<const Vec3d> positions, double distance);
+
+/// Calls visit(n) for each image n of a place that may stand in the box.
+template <class Visit>
+void for_images_in(const BoundingBox& box, const CellEdges& cell, const Periodic& periodic, const Vec3d& r,
+                   Visit&& visit) {
+  BoundingBox edges;  // the box in parts of the edges
+  for (const double x : {box.low.x, box.high.x})
+    for (const double y : {box.low.y, box.high.y})
+      for (const double z : {box.low.z, box.high.z}) edges.add(in_edges(cell, {x, y, z}));
+  const Vec3d at = in_edges(cell, r);
+  std::array<std::int32_t, 3> first{}, last{};
+  for (int k = 0; k < 3; ++k) {
+    if (!periodic[static_cast<std::size_t>(k)]) continue;
+    const double x = component(at, k);
+    first[static_cast<std::size_t>(k)] =
+        static_cast<std::int32_t>(std::ceil(component(edges.low, k) - x - 1e-9));
+    last[static_cast<std::size_t>(k)] =
+        static_cast<std::int32_t>(std::floor(component(edges.high, k) - x + 1e-9));
+  }
+  for (std::int32_t a = first[0]; a <= last[0]; ++a)
+    for (std::int32_t b = first[1]; b <= last[1]; ++b)
+      for (std::int32_t c = first[2]; c <= last[2]; ++c) visit(Image{a, b, c});
+}
 
 /// Points, brought into the cell, and those of their images that come within reach of it: for finding pairs.
 struct NearImages {

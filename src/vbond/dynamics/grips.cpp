@@ -82,7 +82,10 @@ void Grips::take_hold(Grip& grip, double s, const State& state) {
   }
   if (!is_free_grip(support)) return;
   begin_free(grip);
-  find_motion(grip);
+  grip.state.shift = {};
+  grip.state.turn = {1, 0, 0, 0};
+  grip.state.angle = 0.0;
+  find_motion(grip, pivot);
 }
 
 /// The body that it is, from how it took hold of its particles.
@@ -95,17 +98,14 @@ void Grips::begin_free(Grip& grip) {
   any_turn_ |= grip.free->body.turns() != FreeGrip::Turns::held;
 }
 
-/// It goes on with the momentum that its particles have as it takes hold.
-void Grips::find_motion(Grip& grip) {
-  grip.state.shift = grip.state.velocity = grip.state.spin = {};
-  grip.state.turn = {1, 0, 0, 0};
-  grip.state.angle = 0.0;
+/// It goes on with the momentum that its particles have.
+void Grips::find_motion(Grip& grip, const Vec3d& pivot) {
   Vec3d P, L;
   for (std::size_t k = grip.first; k < grip.first + grip.support->particles.size(); ++k) {
     const MotionRow& motion = bodies_.motion[members_[k].row];
     const Vec3d p = bodies_.mass[members_[k].row] * motion.v;
     P += p;
-    L += cross(members_[k].as_held.arm, p) + bodies_.inertia[members_[k].row] * motion.omega;
+    L += cross(bodies_.pose[members_[k].row].r - pivot, p) + bodies_.inertia[members_[k].row] * motion.omega;
   }
   const FreeGrip& body = grip.free->body;
   grip.state.velocity = body.free_part(P / body.mass());
@@ -127,7 +127,10 @@ void Grips::read(const State& state, bool begun) {
       grip.state = state.grips[k];
       if (is_free_grip(*grip.support)) begin_free(grip);
     }
-    if (!kept || !stands_at(grip, place_of(grip, s), state)) take_hold(grip, s, state);
+    if (!kept || !stands_at(grip, place_of(grip, s), state))
+      take_hold(grip, s, state);
+    else if (!is_finite(grip.state.velocity))
+      find_motion(grip, place_of(grip, s).pivot);
   }
 }
 

@@ -89,7 +89,7 @@ class Grips {
   bool stands_at(const Grip& grip, const Place& now, const State& state) const;
   void take_hold(Grip& grip, double s, const State& state);
   void begin_free(Grip& grip);
-  void find_motion(Grip& grip);
+  void find_motion(Grip& grip, const Vec3d& pivot);
   Rates loads_on(const Grip& grip, const Vec3d& pivot) const;
   double slow_down(Grip& grip, const Place& place, double factor);
   Rates resting_rates(const Member& m) const;

@@ -19,7 +19,7 @@ struct GripState {
   // of one that moves freely in some degrees of freedom: along and about these, since it took hold
   Vec3d shift;  ///< of the pivot  [length]
   Quatd turn = {1, 0, 0, 0};
-  Vec3d velocity;    ///< of the pivot  [length/time]
+  Vec3d velocity;    ///< of the pivot; NaN: this and the spin follow from the particles  [length/time]
   Vec3d spin;        ///< angular momentum about the pivot  [mass*length^2/time]
   double angle = 0;  ///< turned about the one free axis, with its sign  [rad]
   friend bool operator==(const GripState&, const GripState&) = default;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "vbond/core/counter_random.hpp"
+#include "vbond/core/images.hpp"
 #include "vbond/model/bond_sums.hpp"
 #include "vbond/model/drop.hpp"
 #include "vbond/model/energies.hpp"
@@ -131,14 +132,38 @@ void come_in(const Model& model, const Source& source, std::size_t body, const P
   done.any_come = true;
 }
 
+/// A box around the part of a region that images of a cell's particles need: of infinite sides some edges.
+BoundingBox limited(BoundingBox box, const CellEdges& cell) {
+  double far = 0.0;
+  for (const CellEdge& edge : cell) far += norm(edge.along);
+  for (int k = 0; k < 3; ++k) {
+    double &low = component(box.low, k), &high = component(box.high, k);
+    if (std::isinf(low) && std::isinf(high)) low = -far, high = far;
+    if (std::isinf(low)) low = high - far;
+    if (std::isinf(high)) high = low + far;
+  }
+  return box;
+}
+
+/// Whether a sink's region holds the particle, or in a periodic body one of its images.
+bool is_in(const Space& region, const Model& model, const State& s, ParticleId p) {
+  if (s.cell.empty()) return region.holds(s.r[p], 0.0);
+  const Vec3d r =
+      s.r[p] + to_image(s.cell, image_in_cell(s.cell, model.cell.periodic, model.cell.corner, s.r[p]));
+  bool holds = region.holds(r, 0.0);
+  for_images_in(limited(region.box, s.cell), s.cell, model.cell.periodic, r,
+                [&](const Image& n) { holds = holds || region.holds(r + to_image(s.cell, n), 0.0); });
+  return holds;
+}
+
 /// Particles that are where they are to be taken out.
-std::vector<ParticleId> who_goes(const Stage& stage, const State& s) {
+std::vector<ParticleId> who_goes(const Model& model, const Stage& stage, const State& s) {
   std::vector<ParticleId> gone;
   for (const Sink& o : stage.sinks) {
     if (!is_visited(o, stage, s)) continue;
     for (const ParticleId p : s.r.ids())
       if ((o.particles.empty() || o.particles[p.value] != 0) && !is_absent(s, p) &&
-          o.region->holds(s.r[p], 0.0) != o.outside)
+          is_in(*o.region, model, s, p) != o.outside)
         gone.push_back(p);
   }
   std::sort(gone.begin(), gone.end());
@@ -148,7 +173,7 @@ std::vector<ParticleId> who_goes(const Stage& stage, const State& s) {
 }
 
 void take_out(const Model& model, const Stage& stage, State& s, Passage& done) {
-  const std::vector<ParticleId> gone = who_goes(stage, s);
+  const std::vector<ParticleId> gone = who_goes(model, stage, s);
   if (gone.empty()) return;
   for (const ParticleId p : gone) {
     s.mass.mass_out += model.mass[p];

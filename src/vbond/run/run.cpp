@@ -294,15 +294,35 @@ void Run::set_velocity(const std::vector<ParticleId>& particles, const Vec3d& v,
   change_motion(std::move(all_v), std::move(all_omega));
 }
 
+namespace {
+
+/// Of what particles move beside the cell, as the books have it.  [energy]
+double own_kinetic_energy(const Model& model, const State& state) {
+  double energy = kinetic_energy(model, state);
+  if (state.cell.empty()) return energy;
+  const Tensor L = cell_velocity_gradient(state.cell);
+  for (const ParticleId p : model.mass.ids()) {
+    const Vec3d flow = times(L, state.r[p]);
+    energy += model.mass[p] * dot(flow, 0.5 * flow - state.v[p]);
+  }
+  return energy;
+}
+
+}  // namespace
+
 void Run::change_motion(PerParticle<Vec3d> v, PerParticle<Vec3d> omega) {
   require(!restart_ && !under_way_, "a static stage was interrupted: it begins and ends at rest");
-  if (simulation_) state_ = std::move(*simulation_).take_state();
-  const double before = kinetic_energy(model_, state_);
+  if (simulation_) {
+    state_ = std::move(*simulation_).take_state();
+    constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+    for (GripState& g : state_.grips) g.velocity = {unknown, unknown, unknown};
+  }
+  const double before = own_kinetic_energy(model_, state_);
   state_.v = std::move(v);
   state_.omega = std::move(omega);
   for (const ParticleId p : state_.waiting) state_.v[p] = state_.omega[p] = {};
   if (state_.clock.step > 0) {  // else the books are opened as the run begins
-    const double change = kinetic_energy(model_, state_) - before;
+    const double change = own_kinetic_energy(model_, state_) - before;
     state_.books.work_loads += change;
     books_before_.work_loads += change;
   }

@@ -324,9 +324,9 @@ class Fracture {
       return lose_stability(
           fmt::format("no stable balance follows the break of bond {}", found_.breaks.back().use.bond.value));
     }
-    now_ = walk_.here();
+    const Balance unbroken = std::exchange(now_, walk_.here());
     before_.reset();
-    const double work = walk_.body().work_of_loads(from, now_.at, now_.at.load_factor);
+    const double work = walk_.work_of_jump(unbroken, now_);
     add_work(work);
     book_release(spent + work - now_.spent());
     note_balance(PointKind::broken);

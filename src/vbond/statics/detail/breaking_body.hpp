@@ -67,6 +67,8 @@ class BreakingBody {
   Vector work_between(const Balance& a, const Balance& b, double scale) {
     return way_here().between(a, b, scale);
   }
+  /// The same after a jump at one load factor, without the walls, which then stand still.  [energy]
+  double work_of_jump(const Balance& a, const Balance& b) { return way_here().of_jump(a, b); }
   /// Walls have done what is among this work.
   void add_work_of_walls(const Vector& work);
 

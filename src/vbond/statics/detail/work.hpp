@@ -31,6 +31,9 @@ class WorkOnTheWay {
   /// do not close. scale: the largest energy in the books. splits: how often a way of an elastic body may be
   /// halved for that. Leaves the body at the second.  [energy]
   Vector between(const Stand& a, const Stand& b, double scale, int splits = 4);
+  /// The same after a jump at one load factor, by the means of what acts at both: loads, the stress of the
+  /// cell and what is left of the relief.  [energy]
+  double of_jump(const Stand& a, const Stand& b) const { return trapezium(a, b)[0]; }
   /// What the work on the way has not become, as a part of what is turned over, if it is more than this part:
   /// after a jump, or flow in a step that is too long. A coarser sum, of bodies that flow.
   double missing(const Stand& a, const Stand& b, double part);

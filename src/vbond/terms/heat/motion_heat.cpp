@@ -22,7 +22,12 @@ bool MotionHeat::set_temperatures(double time) {
 }
 
 void MotionHeat::begin_stage() {
-  if (!set_temperatures(0.0)) return;
+  known_ = true;
+  jump_to(0.0);
+}
+
+void MotionHeat::jump_to(double time) {
+  if (!set_temperatures(time)) return;
   State& s = on_.state;
   const double U_before = on_.host.potential_energy(), flowed_before = dissipated_by_flow(s);
   take_lengths(s);
@@ -48,6 +53,7 @@ void MotionHeat::begin_step() {
   const std::int64_t step = s.clock.stage_step;
   const double now = static_cast<double>(step) * dt, then = static_cast<double>(step + 1) * dt;
   const std::vector<Heating>& heating = on_.stage.heating;
+  if (!std::exchange(known_, true)) jump_to(now);  // a run that goes on may have been given others
   if (std::all_of(heating.begin(), heating.end(),
                   [&](const Heating& h) { return h.factor(then) == h.factor(now); }))
     return;

@@ -14,8 +14,8 @@ class MotionHeat final : public MotionTerm {
   explicit MotionHeat(const BodyInMotion& on) : on_(on) {}
 
   bool is_there() const override { return !on_.stage.heating.empty(); }
-  /// The temperatures with which the stage begins: the energy changes while nothing moves, and bonds flow
-  /// that this brings beyond their limits.
+  /// The temperatures with which the stage begins, or goes on after an edit: the energy changes while nothing
+  /// moves, and bonds flow that this brings beyond their limits.
   void begin_stage() override;
   void begin_step() override;
   void books_closed() override { book(); }
@@ -28,10 +28,12 @@ class MotionHeat final : public MotionTerm {
   };
 
   bool set_temperatures(double time);
+  void jump_to(double time);
   void book();
 
   const BodyInMotion on_;
   std::vector<Growing> growing_;
+  bool known_ = false;  // that temperatures of the state are those of the stage
 };
 
 }  // namespace vbond

@@ -40,13 +40,23 @@ MotionWalls::MotionWalls(const BodyInMotion& on)
     b.F.resize(walls_.size()), b.M.resize(walls_.size()), b.slopes.resize(walls_.size());
 }
 
+/// What a servo of the stage before has left, if this stage has one along the same direction.
+double MotionWalls::speed_kept(std::size_t w) const {
+  if (!has_servo(w)) return 0.0;
+  const WallState& before = walls_[w];
+  const double along = dot(before.velocity, drive_[w]->servo->direction), speed = std::abs(before.servo);
+  return std::abs(std::abs(along) - speed) <= 1e-9 * speed ? along : 0.0;
+}
+
 void MotionWalls::read(const State& s) {
   if (s.walls.size() == walls_.size()) walls_ = s.walls;
   for (std::size_t w = 0; w < walls_.size(); ++w) {
     if (s.clock.stage_step != 0) break;
-    walls_[w].servo = 0.0;
+    walls_[w].servo = speed_kept(w);
     prescribe(w, 0.0, 0.0);
+    if (walls_[w].servo != 0.0) walls_[w].velocity += walls_[w].servo * drive_[w]->servo->direction;
   }
+  dt_before_ = s.clock.dt;
   room_ = 0.0;
   for (OfBlock& b : blocks_) b.near.clear();
   for (const WallMemory& m : s.wall_history) {
@@ -136,7 +146,9 @@ void MotionWalls::set_velocity(std::size_t w, std::int64_t stage_step, double dt
   const WallDrive& d = *drive_[w];
   const WallDrive::Servo& s = *d.servo;
   // a body that is pushed, against what presses on it: kicked from step to step
-  const double h = stage_step == 0 ? 0.5 * dt : dt,
+  const double h = stage_step > 0     ? dt
+                   : now.servo == 0.0 ? 0.5 * dt
+                                      : 0.5 * (dt_before_ + dt),
                force = s.factor(t) * s.force + dot(now.force, s.direction);
   now.servo = (now.servo + h / s.mass * force) / (1.0 + h / s.mass * s.damping);
   if (s.fastest > 0.0) now.servo = std::clamp(now.servo, -s.fastest, s.fastest);

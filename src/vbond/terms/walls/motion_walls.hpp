@@ -113,6 +113,7 @@ class MotionWalls final : public MotionTerm {
     return w.velocity + cross(w.angular_velocity, r - model_.walls[wall].centre - w.displacement);
   }
   const TouchNumbers<double>& numbers(const Near& near) const;
+  double speed_kept(std::size_t wall) const;
   void prescribe(std::size_t wall, double t, double dt);
   void set_velocity(std::size_t wall, std::int64_t stage_step, double dt);
   bool has_servo(std::size_t wall) const { return drive_[wall] != nullptr && drive_[wall]->servo; }
@@ -128,6 +129,7 @@ class MotionWalls final : public MotionTerm {
   TouchForms forms_;
   std::vector<std::vector<TouchNumbers<double>>> numbers_;  // of each wall, with each material
   double skin_ = 0, reach_ = 0;
+  double dt_before_ = 0;  // of the stage before  [time]
   double room_ = 0;    // no particle or wall has moved half the skin before they have moved so far  [length]
   double extent_ = 0;  // no particle is farther from the centre of a wall  [length]
   double least_radius_ = 0;  // [length]
