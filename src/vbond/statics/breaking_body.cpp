@@ -57,6 +57,9 @@ BreakingBody::BreakingBody(const Model& model, const StaticStage& stage, State n
   if (n.unknowns > 0) prepare_solver();
   rate_ = Eigen::Map<const Vector>(then.rate.data(), static_cast<Eigen::Index>(then.rate.size()));
   if (n.stable) stable_at_ = body_->placement();
+  // where a bond has just broken the factor by which the rate was found is at hand, and is not made again
+  const bool just_broken = !n.has_before && then.found.points > 1;
+  if (just_broken && n.unknowns > 0 && body_->has_moment_part()) solver_->take_full(*body_);
   factors_before_ = then.found.factors - solver_->factors_made();
 }
 
