@@ -74,6 +74,16 @@ def test_goes_on_from_the_last_break(whole, stops, request):
     expect_same(whole, folder)
 
 
+def test_each_balance_of_a_run_at_rest(whole):  # where a balance counts 1, and no T_0
+    write("rest.toml", CASE, (r'\[\[stage\]\]\nname = "let_go"(.*\n)*?(?=\[output\])', ""), ("^checkpoint = .*", "checkpoint = {every = 1}"))
+    stop_at(breaking(0.5), "rest", "run rest.toml -o rest", by=SIGKILL)
+    rows = lines("rest/history.csv")
+    step = int(re.search(r"resumed at step (\d+) of stage break", vbond("resume rest").out)[1])
+    assert step >= rows - 4
+    one, two = ([row["bond"] for row in table(f"{folder}/breaks.csv") if row["stage"] == 1] for folder in ("rest", "whole"))
+    assert one == two
+
+
 def test_checkpoints_change_nothing(whole):
     write("plain.toml", CASE, ("^checkpoint = .*", ""))
     vbond("run plain.toml -o plain")
