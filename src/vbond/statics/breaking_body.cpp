@@ -55,6 +55,9 @@ BreakingBody::BreakingBody(const Model& model, const StaticStage& stage, State n
   body_->go_on_from(std::move(now), n.load_factor, n.breaks, then.remembered_before);
   refuse_another_stage(then);
   if (n.unknowns > 0) prepare_solver();
+  // CHOLMOD's first factor in columns after an analysis is L D L^T, taken to L L^T then, which later ones are
+  // at once: other last digits
+  if (n.unknowns > 0 && !solver_->has_kept()) solver_->factor_definite(*body_);
   rate_ = Eigen::Map<const Vector>(then.rate.data(), static_cast<Eigen::Index>(then.rate.size()));
   if (n.stable) stable_at_ = body_->placement();
   // where a bond has just broken the factor by which the rate was found is at hand, and is not made again
