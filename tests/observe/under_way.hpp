@@ -29,6 +29,7 @@ inline FractureUnderWay under_way_of(State& s) {
   for (const Bond& bond : s.bonds) pairs.emplace_back(bond.i, bond.j);
   u.pattern = std::make_shared<const std::vector<std::pair<ParticleId, ParticleId>>>(pairs);
   u.remembered_before.resize(s.bonds.size());
+  u.remembered_of_tangent.resize(s.bonds.size());
   u.factor.made_at =
       std::make_shared<const KeptFactorUnderWay::Place>(KeptFactorUnderWay::Place{s.r, s.q, s.cell, 0.25, 1});
   u.factor.changes = {{{0, 5}, {1.0, 2.0, 2.0, 3.0}}};

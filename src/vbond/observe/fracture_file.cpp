@@ -253,7 +253,7 @@ void write_fracture(H5Writer& file, const FractureUnderWay& now) {
   for (const HeldPart& part : now.held) f.held.push_back(filed_part(part));
   f.turned = rows_with<FiledTurn>(now.turned_at_start);
   for (const auto& [i, j] : *now.pattern) f.pattern.push_back({i, j});
-  f.remembered = now.remembered_before;
+  f.remembered = now.remembered_before, f.of_tangent = now.remembered_of_tangent;
   file_factor(now.factor, f);
   write_tables(file, under_way_table, f);
   file.go_into(begun_path);
@@ -288,7 +288,7 @@ std::shared_ptr<const FractureUnderWay> read_fracture(H5Reader& file, const Mode
   auto pattern = std::make_shared<std::vector<std::pair<ParticleId, ParticleId>>>();
   for (const FiledPair& p : f.pattern) pattern->emplace_back(p.i, p.j);
   then->pattern = std::move(pattern);
-  then->remembered_before = f.remembered;
+  then->remembered_before = f.remembered, then->remembered_of_tangent = f.of_tangent;
   then->begun = std::make_shared<const State>(std::move(begun));
   then->factor = factor_of(f);
   check_sense(f, *then, model, state);

@@ -16,6 +16,15 @@ void StaticBody::stand_as_then(const Placement& at, const std::vector<BondId>& b
   restore(at);
 }
 
+void StaticBody::take_tangent_of(PerBond<BondHistory> remembered) {
+  if (remembered.empty()) return;
+  std::swap(accepted_before_, remembered);
+  stiffness_.current = false;
+  stiffness_at_hand();
+  std::swap(accepted_before_, remembered);
+  of_tangent_ = std::move(remembered);
+}
+
 void StaticBody::go_on_from(State now, double load_factor, std::int64_t breaks,
                             PerBond<BondHistory> remembered_before) {
   state_ = std::move(now);

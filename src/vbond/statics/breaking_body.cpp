@@ -54,6 +54,7 @@ BreakingBody::BreakingBody(const Model& model, const StaticStage& stage, State n
   go_on_with_kept_factor(then);
   body_->go_on_from(std::move(now), n.load_factor, n.breaks, then.remembered_before);
   refuse_another_stage(then);
+  body_->take_tangent_of(then.remembered_of_tangent);
   if (n.unknowns > 0) prepare_solver();
   // CHOLMOD's first factor in columns after an analysis is L D L^T, taken to L L^T then, which later ones are
   // at once: other last digits
@@ -113,6 +114,7 @@ void BreakingBody::note(FractureUnderWay& now) const {
   now.begun = begun_;
   now.pattern = std::make_shared<const std::vector<Assembly::Pair>>(body_->pattern());
   if (body_->flows()) now.remembered_before = body_->remembered_before();
+  if (body_->flows()) now.remembered_of_tangent = body_->remembered_of_tangent();
   now.factor = solver_->kept_under_way();
 }
 

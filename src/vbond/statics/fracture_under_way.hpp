@@ -88,6 +88,8 @@ struct FractureUnderWay {
   /// Pairs of nodes that the tangent has room for.
   std::shared_ptr<const std::vector<std::pair<ParticleId, ParticleId>>> pattern;
   PerBond<BondHistory> remembered_before;  ///< at the balance before, of bodies that flow
+  /// What the tangent at hand was summed up with instead; empty: nothing else.
+  PerBond<BondHistory> remembered_of_tangent;
   KeptFactorUnderWay factor;
 };
 

@@ -59,7 +59,7 @@ struct FiledFracture {
   std::vector<FiledPart> held;
   std::vector<FiledTurn> turned;
   std::vector<FiledPair> pattern;
-  PerBond<BondHistory> remembered;
+  PerBond<BondHistory> remembered, of_tangent;
   PerParticle<Vec3d> factor_r;
   PerParticle<Quatd> factor_q;
   std::vector<FiledPlace> factor_cell;
@@ -144,8 +144,11 @@ inline constexpr auto under_way_table = std::tuple{
             field("i", &FiledPair::i, unit::none, "pairs for which the tangent has room"),
             field("j", &FiledPair::j, unit::none, "the other one")),
     fields_of<FiledFracture>(
-        "/fracture/", field("remembered_before", &filed::F::remembered, unit::none,
-                            "what bonds remembered at the balance before; only where they flow", filed::any)),
+        "/fracture/",
+        field("remembered_before", &filed::F::remembered, unit::none,
+              "what bonds remembered at the balance before; only where they flow", filed::any),
+        field("remembered_of_tangent", &filed::F::of_tangent, unit::none,
+              "what the tangent was summed up with instead; only where it is that", filed::any)),
     fields_of<FiledFracture>(
         "/fracture/factor_",
         field("r", &filed::F::factor_r, unit::length,

@@ -114,6 +114,10 @@ class StaticBody {
   const std::vector<Assembly::Pair>& pattern() const { return pattern_; }
   /// Of a body that flows: what bonds remembered at the accepted balance before this one.
   const PerBond<BondHistory>& remembered_before() const { return accepted_before_; }
+  /// What the tangent at hand was summed up with instead, before the body was accepted; empty: nothing else.
+  const PerBond<BondHistory>& remembered_of_tangent() const { return of_tangent_; }
+  /// Sums up the tangent with that, if there is any.
+  void take_tangent_of(PerBond<BondHistory> remembered);
   /// A body as it was made, on the way to where it was stopped: the tangent has this room.
   void make_room_for(std::vector<Assembly::Pair> pairs, bool flows);
   /// Of such a body, which does not flow: more bonds have broken, and it stands here.
@@ -322,6 +326,7 @@ class StaticBody {
   PerParticle<char> bonded_;
   // of bodies that flow: what bonds remembered at the last accepted balance, and at the one before it
   PerBond<BondHistory> accepted_, accepted_before_;
+  PerBond<BondHistory> of_tangent_;  // remembered_of_tangent()
   Placement accepted_at_;
   bool flows_ = false, at_accepted_ = false;
   std::int64_t breaks_ = 0;
