@@ -41,6 +41,11 @@ RunSummary first_summary(const Case& c, const Model& model, int threads) {
   return s;
 }
 
+/// Within a stage of fracture.
+void write_if_due(Campaign& campaign) {
+  if (campaign.files.checkpoint->is_due_at_rest(campaign.run.clock())) write_within(campaign);
+}
+
 }  // namespace
 
 double seconds_since(WallClock::time_point start) {
@@ -117,12 +122,35 @@ Campaign open_campaign(const Case& c, Run& run, OutputPlan plan, int threads, co
   return campaign;
 }
 
+void write_within(Campaign& campaign) {
+  const Run& run = campaign.run;
+  const FractureUnderWay& under_way = *run.under_way();
+  if (campaign.files.breaks)
+    campaign.files.breaks->add_breaks_at_rest(start_of_static_stage(run.clock()), run.current(),
+                                              under_way.found.fracture.breaks);
+  campaign.files.checkpoint->write_within(run.model(), run.current(), under_way);
+}
+
+Clock start_of_static_stage(Clock now) {
+  return {.step = now.step - now.stage_step,
+          .stage_step = 0,
+          .stage = now.stage,
+          .stage_start = now.stage_start,
+          .dt = 0};
+}
+
 void listen(Campaign& campaign) {
   RunHooks hooks;
   hooks.balance = [&campaign](const BodyView& body) { campaign.heartbeat->balance(body); };
   hooks.tell = [&campaign](const std::string& report) { campaign.tell(report); };
   hooks.interrupted = [] { return caught_signal() != 0; };
   hooks.progress = [&campaign](const std::string& line) { say(line + "\n", stderr); };
+  hooks.under_way = [&campaign] { write_if_due(campaign); };
+  if (campaign.files.breaks)
+    hooks.goes_on = [&campaign](const BodyView& body) {
+      campaign.files.breaks->observe_balance(body, *body.balance());
+      campaign.files.breaks->go_on_at_rest(campaign.run.under_way()->found.fracture.breaks.size());
+    };
   hooks.stage_end = [&campaign](const Simulation& stage, StopReason why, const std::string& failure) {
     campaign.stage_end(stage, why, failure);
     campaign.heartbeat->beat(stage, {});

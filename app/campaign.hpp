@@ -56,6 +56,12 @@ struct Campaign {
 Campaign open_campaign(const Case& c, Run& run, OutputPlan plan, int threads, const std::string& program,
                        const Checkpoint* resume, WallClock::time_point start);
 
+/// As a static stage began that is under way.
+Clock start_of_static_stage(Clock now);
+
+/// checkpoint.h5 within a stage of fracture that is under way, after the breaks until then.
+void write_within(Campaign& campaign);
+
 /// Hands all that the run tells to the campaign, which must stay where it is.
 void listen(Campaign& campaign);
 

@@ -154,7 +154,7 @@ void say_end(const Campaign& campaign, bool interrupted) {
   say(text + timing_table(s.wall_time) + "results in " + folder + "\n");
   if (!interrupted) return;
   const Run& run = campaign.run;
-  const bool at_rest = is_static(run.stages().kind(run.stage_index()));
+  const bool at_rest = is_static(run.stages().kind(run.stage_index())) && !run.under_way();
   say(std::string("stopped by a signal; ") + (at_rest ? "a static stage begins from its start; " : "") +
           "go on with: " + resume_command(campaign) + "\n",
       stderr);
@@ -411,6 +411,7 @@ int resume(const fs::path& folder, const RunOptions& options) {
   Run run(std::move(built.model), std::move(checkpoint.state), stages_of(c, options.threads),
           options.threads);
   checkpoint.state.clock = clock;
+  if (checkpoint.under_way) run.go_on_within(checkpoint.under_way);
   const bool complete = run.complete();
   if (!complete) run.check();
   spread(processes, c, run);

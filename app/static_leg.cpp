@@ -120,15 +120,16 @@ StageResult solve_or_leave(Campaign& campaign) {
 bool run_static_leg(Campaign& campaign) {
   Run& run = campaign.run;
   const StaticStage stage = std::get<StaticStage>(run.prepare());
+  const bool goes_on = run.under_way() != nullptr;
   if (campaign.plan.writes_all()) {
-    campaign.files.checkpoint->write(run.model(), run.start_of_stage());
+    if (!goes_on) campaign.files.checkpoint->write(run.model(), run.start_of_stage());
     remove_file(campaign.plan.folder / "last_balance.h5");
     remove_mode_frames(campaign.plan.folder, stage.name);
   }
 
   campaign.heartbeat->begin_stage();
 
-  const Clock start = run.start_of_stage().clock;
+  const Clock start = start_of_static_stage(run.clock());
   const StageResult result = solve_or_leave(campaign);
   campaign.files.watch->watch().summarise();
   if (!result.interrupted()) {
@@ -139,6 +140,7 @@ bool run_static_leg(Campaign& campaign) {
     record_breaks(campaign, start, *result.statics);
   }
   add_stage(campaign, result);
+  if (result.interrupted() && run.under_way()) write_within(campaign);
   if (result.interrupted()) return false;
   if (campaign.files.breaks)
     campaign.files.breaks->end_stage(run.model(), run.current(), run.clock().stage - 1);

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "specimen.hpp"
+#include "under_way.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/observe/seal.hpp"
 #include "vbond/physics/laws.hpp"
@@ -270,6 +271,65 @@ TEST(Checkpoint, StatesThatNoRunIsInAreRefused) {
 }
 
 // Bonds had nine coefficients once, and twelve; shorter rows are read as nine and zeros.
+// What is read of a stage of fracture under way gives the same file again; other checkpoints keep their
+// format.
+TEST(Checkpoint, WithinAStageOfFractureItHoldsAllThatTheStageKnows) {
+  const Folder folder;
+  Chain chain;
+  const FractureUnderWay under_way = test::under_way_of(chain.state);
+  write_checkpoint(folder / "a.h5", chain.model, chain.state, {}, "test", &under_way);
+  const Checkpoint read = read_checkpoint(folder / "a.h5", chain.model);
+  ASSERT_TRUE(read.under_way);
+  EXPECT_TRUE(read.under_way->found == under_way.found);
+  EXPECT_TRUE(read.under_way->factor.random == under_way.factor.random);
+  EXPECT_TRUE(read.under_way->held == under_way.held);
+  write_checkpoint(folder / "b.h5", chain.model, read, "test");
+  EXPECT_EQ(content_of(folder / "a.h5"), content_of(folder / "b.h5"));
+  EXPECT_EQ(content_of(folder / "a.h5").substr(0, 26), "vbond checkpoint\nformat 5\n");
+  write_checkpoint(folder / "c.h5", chain.model, {chain.state, {}}, "test");
+  EXPECT_EQ(content_of(folder / "c.h5").substr(0, 26), "vbond checkpoint\nformat 4\n");
+  EXPECT_FALSE(read_checkpoint(folder / "c.h5", chain.model).under_way);
+}
+
+TEST(Checkpoint, WithinAStageOfFractureWhatCannotBelongIsRefused) {
+  const Folder folder;
+  Chain chain;
+  const FractureUnderWay good = test::under_way_of(chain.state);
+  const auto refuses = [&](auto change, const std::string& why) {
+    FractureUnderWay bad = good;
+    change(bad);
+    write_checkpoint(folder / "bad.h5", chain.model, chain.state, {}, "test", &bad);
+    try {
+      read_checkpoint(folder / "bad.h5", chain.model);
+      ADD_FAILURE() << "not refused: " << why;
+    } catch (const IoError& e) {
+      EXPECT_NE(std::string(e.what()).find(why), std::string::npos) << e.what();
+    }
+  };
+  refuses([](FractureUnderWay& u) { u.found.points = 4; }, "at another point");
+  refuses([](FractureUnderWay& u) { u.numbers.breaks = 2; }, "more breaks than are listed");
+  refuses([](FractureUnderWay& u) { u.rate.pop_back(); }, "moves other unknowns");
+  refuses([](FractureUnderWay& u) { u.factor.changes[0].unknowns[1] = 12; }, "of other unknowns");
+  refuses([](FractureUnderWay& u) { u.factor.changes[0].numbers.pop_back(); }, "cut short");
+  refuses([](FractureUnderWay& u) { u.found.fracture.breaks[0].use.bond = BondId{9}; }, "none of its bonds");
+  refuses([](FractureUnderWay& u) { u.held[0].particle = ParticleId{9}; }, "a part that is held is missing");
+  refuses([](FractureUnderWay& u) { u.held[0].dof = 6; }, "an impossible direction");
+  refuses(
+      [](FractureUnderWay& u) {
+        u.pattern = std::make_shared<const std::vector<std::pair<ParticleId, ParticleId>>>(
+            1, std::pair(ParticleId{0}, ParticleId{0}));
+      },
+      "lacks a bond");
+  refuses([](FractureUnderWay& u) { u.numbers.flows = true; }, "have no past");
+  refuses(
+      [](FractureUnderWay& u) {
+        State other = *u.begun;
+        other.bonds = {};
+        u.begun = std::make_shared<const State>(other);
+      },
+      "began with other bonds");
+}
+
 TEST(Checkpoint, ShorterRowsOfEarlierVersionsAreFilledUp) {
   const Folder folder;
   const Chain chain(3);

@@ -159,9 +159,11 @@ void describe(Table& t, OutputSpec& o, bool any_dynamics, bool periodic) {
           "add frames = { every = \"10 T0\" }");
   t.table(
       "checkpoint", optional,
-      "checkpoint.h5 at intervals; without this table at the end and on a signal only",
+      "checkpoint.h5 at intervals; without this table at the end, on a signal, and each minute of a stage of "
+      "fracture",
       [&o](Table& k) {
-        k.key("every", o.checkpoint_every, TimeCodec{}, required, "time between checkpoints");
+        k.key("every", o.checkpoint_every, TimeCodec{}, required,
+              "time between checkpoints; a balance of a stage of fracture counts T_0, or 1 without dynamics");
       },
       o.checkpoint_every.has_value());
 }

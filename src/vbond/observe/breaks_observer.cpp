@@ -4,10 +4,12 @@
 
 namespace vbond {
 
-BreaksObserver::BreaksObserver(const OutputPlan& plan, const std::optional<Clock>& resumed) {
+BreaksObserver::BreaksObserver(const OutputPlan& plan, const std::optional<Clock>& resumed, bool at_rest) {
   if (!plan.reactions.empty()) loaded_ = plan.reactions.front();
   if (!plan.writes_all()) return;
-  breaks_.emplace(plan, resumed ? std::optional(resumed->step) : std::nullopt);
+  std::optional<std::int64_t> last;  // a bond that breaks at rest breaks after its point: not yet at this one
+  if (resumed) last = resumed->step - (at_rest ? 1 : 0);
+  breaks_.emplace(plan, last);
   fragments_.emplace(plan, resumed ? std::optional<std::int64_t>(resumed->stage) : std::nullopt);
 }
 
@@ -41,6 +43,7 @@ void BreaksObserver::observe_balance(const BodyView& body, const BalancePoint& /
 void BreaksObserver::end_stage(const Model& model, const State& state, std::int64_t stage) {
   const Timing timing(*this);
   load_at_rest_.clear();
+  added_at_rest_ = 0;
   if (fragments_) fragments_->write(model, state, stage);
 }
 
@@ -48,7 +51,8 @@ void BreaksObserver::add_breaks_at_rest(const Clock& start, const State& state,
                                         const std::vector<BrokenBond>& breaks) {
   if (!breaks_) return;
   const Timing timing(*this);
-  for (const BrokenBond& b : breaks) {
+  for (; added_at_rest_ < breaks.size(); ++added_at_rest_) {
+    const BrokenBond& b = breaks[added_at_rest_];
     const Bond& bond = state.bonds[b.use.bond];
     Clock then = start;
     then.step += b.point;

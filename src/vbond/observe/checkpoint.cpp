@@ -9,6 +9,7 @@
 #include "vbond/core/error.hpp"
 #include "vbond/model/mistakes.hpp"
 #include "vbond/observe/detail/checkpoint_tables.hpp"
+#include "vbond/observe/detail/fracture_file.hpp"
 #include "vbond/observe/detail/h5_tables.hpp"
 #include "vbond/observe/files.hpp"
 #include "vbond/observe/seal.hpp"
@@ -16,7 +17,9 @@
 namespace vbond {
 namespace {
 
-constexpr std::int32_t format_version = 4;
+// Within a stage of fracture the state alone would be that of another run: a program that knows only the
+// older format must not go on from it.
+constexpr std::int32_t format_version = 4, format_within_fracture = 5;
 
 void check_fingerprint(H5Reader& reader, const Model& model) {
   const std::size_t n = reader.rows("/model/mass");
@@ -61,7 +64,8 @@ void check_sense(const Model& model, const State& state) {
 }  // namespace
 
 void write_checkpoint(const std::filesystem::path& path, const Model& model, const State& state,
-                      const WatchRecord& watch, const std::string& program_version) {
+                      const WatchRecord& watch, const std::string& program_version,
+                      const FractureUnderWay* under_way) {
   const H5Silence silence;
   try {
     Replacement file(path);
@@ -69,8 +73,9 @@ void write_checkpoint(const std::filesystem::path& path, const Model& model, con
     write_tables(writer, model_table, model);
     write_tables(writer, state_table, state);
     write_tables(writer, watch_table, watch);
+    if (under_way) write_fracture(writer, *under_way);
     writer.finish();
-    write_seal(file.part(), format_version, program_version);
+    write_seal(file.part(), under_way ? format_within_fracture : format_version, program_version);
     file.publish(Sync::to_disk);
   } catch (const IoError& e) {
     std::error_code unknown;
@@ -87,7 +92,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const Model& model
   open_file(path, "rb");  // a missing or forbidden file is told in the system's words
   const H5Silence silence;
   try {
-    check_seal(path, format_version);
+    check_seal(path, format_version, format_within_fracture);
     H5Reader reader(path);
     check_fingerprint(reader, model);
     Checkpoint c;
@@ -96,6 +101,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const Model& model
     read_tables(reader, watch_table, sizes, laws, c.watch);
     check_sense(model, c.state);
     check_sense(c.watch, model, c.state);
+    if (has_fracture(reader)) c.under_way = read_fracture(reader, model, c.state, laws);
     return c;
   } catch (const IoError& e) {
     throw IoError(path.string() + ": " + e.what());

@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <memory>
 #include <span>
 #include <string>
 
@@ -9,11 +10,14 @@
 
 namespace vbond {
 
+struct FractureUnderWay;
+
 /// All that is needed to go on as if nothing had happened: the state bit for bit, and what the watch
 /// has already reported. The model and the stages are built again from the case.
 struct Checkpoint {
   State state;
   WatchRecord watch;
+  std::shared_ptr<const FractureUnderWay> under_way = {};  ///< within a stage of fracture; else null
   friend bool operator==(const Checkpoint&, const Checkpoint&) = default;
 };
 
@@ -21,10 +25,12 @@ struct Checkpoint {
 /// The particles' constants go with it, to tell on reading that the model is still the same.
 /// Throws IoError.
 void write_checkpoint(const std::filesystem::path& path, const Model& model, const State& state,
-                      const WatchRecord& watch, const std::string& program_version);
+                      const WatchRecord& watch, const std::string& program_version,
+                      const FractureUnderWay* under_way = nullptr);
 inline void write_checkpoint(const std::filesystem::path& path, const Model& model,
                              const Checkpoint& checkpoint, const std::string& program_version) {
-  write_checkpoint(path, model, checkpoint.state, checkpoint.watch, program_version);
+  write_checkpoint(path, model, checkpoint.state, checkpoint.watch, program_version,
+                   checkpoint.under_way.get());
 }
 
 /// Reads a checkpoint back. Throws IoError if the file is missing, damaged, not a checkpoint of vbond

@@ -1,4 +1,5 @@
 #include "vbond/observe/detail/checkpoint_tables.hpp"
+#include "vbond/observe/detail/fracture_tables.hpp"
 #include "vbond/observe/detail/h5_shared.hpp"
 #include "vbond/observe/quantities.hpp"
 
@@ -24,6 +25,7 @@ std::span<const CheckpointQuantity> checkpoint_quantities() {
     sets.push_back({rule_numbers_path, unit::none, rule_numbers_meaning});
     list(watch_table, sets);
     list(model_table, sets);
+    list(under_way_table, sets);
     return sets;
   }();
   return all;

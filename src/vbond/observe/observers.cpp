@@ -164,36 +164,6 @@ void FrameObserver::observe_balance(const BodyView& body, const BalancePoint& ba
   due_.written(body.clock().step);
 }
 
-// ---- checkpoint -------------------------------------------------------------------------------------
-
-CheckpointObserver::CheckpointObserver(const OutputPlan& plan, std::shared_ptr<const WatchObserver> watch,
-                                       std::string program_version)
-    : path_(plan.folder / "checkpoint.h5"),
-      watch_(std::move(watch)),
-      program_version_(std::move(program_version)),
-      writes_(plan.writes_all()) {
-  if (plan.checkpoint_every) due_.emplace(*plan.checkpoint_every);
-}
-
-void CheckpointObserver::observe(const Simulation& run) {
-  const Clock& clock = run.clock();
-  if (due_ && clock.stage_step > 0 && due_->now(clock)) write(run.model(), run.state());
-}
-
-std::int64_t CheckpointObserver::steps_to_next_look(const Clock& now) const {
-  return due_ ? due_->steps_to_next(now) : no_next_look;
-}
-
-void CheckpointObserver::finish(const Simulation& run, StopReason /*why*/) {
-  write(run.model(), run.state());
-}
-
-void CheckpointObserver::write(const Model& model, const State& state, const std::filesystem::path& path) {
-  if (!writes_) return;
-  const Timing timing(*this);
-  write_checkpoint(path, model, state, watch_->watch().record(), program_version_);
-}
-
 // ---- table and progress -----------------------------------------------------------------------------
 
 void TableObserver::observe(const Simulation& run) {
@@ -324,7 +294,7 @@ FileObservers open_output(const OutputPlan& plan, Watch::Tell tell, const std::s
   std::optional<Clock> resumed;
   if (resume) resumed = resume->state.clock;
   if (plan.breaks)
-    o.breaks = std::make_shared<BreaksObserver>(plan, resumed);
+    o.breaks = std::make_shared<BreaksObserver>(plan, resumed, resume && resume->under_way);
   else if (resumed && plan.writes_all())
     cut_breaks(plan, *resumed);
   const auto tell_anew = [&](bool anew, const char* name, const char* why) {

@@ -123,11 +123,23 @@ class CheckpointObserver : public TimedObserver {
   }
   /// The same under another name.
   void write(const Model& model, const State& state, const std::filesystem::path& path);
+  /// Whether one is due at this point of a static stage from which it can go on: at its interval, in which a
+  /// point counts as a step, or once the last one is a minute old, and a hundred times as long ago as it took
+  /// to write.
+  bool is_due_at_rest(const Clock& now) const;
+  /// checkpoint.h5 within a stage of fracture.
+  void write_within(const Model& model, const State& state, const FractureUnderWay& under_way);
   /// The step of the last checkpoint.h5 written here.
   const std::optional<std::int64_t>& last_step() const { return last_step_; }
 
  private:
+  using WallClock = std::chrono::steady_clock;
+  void write(const Model& model, const State& state, const std::filesystem::path& path,
+             const FractureUnderWay* under_way);
+
   std::optional<std::int64_t> last_step_;
+  WallClock::time_point written_ = WallClock::now();
+  WallClock::duration took_{};
   std::filesystem::path path_;
   std::optional<Due> due_;  // by interval; empty without one
   std::shared_ptr<const WatchObserver> watch_;

@@ -49,7 +49,7 @@ void write_seal(const std::filesystem::path& path, std::int32_t format, const st
   write_all(f.get(), seal, path);
 }
 
-void check_seal(const std::filesystem::path& path, std::int32_t readable) {
+void check_seal(const std::filesystem::path& path, std::int32_t oldest, std::int32_t newest) {
   const File f = open_file(path, "rb");
   std::array<char, seal_size> head{};
   const std::size_t size = std::fread(head.data(), 1, head.size(), f.get());
@@ -62,10 +62,10 @@ void check_seal(const std::filesystem::path& path, std::int32_t readable) {
       std::from_chars(format_text->data(), format_text->data() + format_text->size(), format).ec !=
           std::errc{})
     throw IoError("is not a checkpoint of vbond, or is damaged or cut short");
-  if (format != readable)
-    throw IoError(
-        fmt::format("was written by vbond {}, in format {}; this program reads format {}: use that version",
-                    *program, format, readable));
+  if (format < oldest || format > newest)
+    throw IoError(fmt::format(
+        "was written by vbond {}, in format {}; this program reads formats {} and {}: use that version",
+        *program, format, oldest, newest));
   if (*sum != fmt::format("{:016x}", checksum(f.get(), path)))
     throw IoError("is damaged or cut short: its checksum does not fit its content");
 }

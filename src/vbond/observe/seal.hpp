@@ -15,7 +15,7 @@ constexpr std::size_t seal_size = 512;  ///< bytes; the smallest user block of H
 void write_seal(const std::filesystem::path& path, std::int32_t format, const std::string& program_version);
 
 /// Throws IoError, with a text that goes on after the file's name, unless the file is a checkpoint of
-/// vbond in the format `readable` and undamaged.
-void check_seal(const std::filesystem::path& path, std::int32_t readable);
+/// vbond in a format from `oldest` to `newest` and undamaged.
+void check_seal(const std::filesystem::path& path, std::int32_t oldest, std::int32_t newest);
 
 }  // namespace vbond

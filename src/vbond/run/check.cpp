@@ -64,6 +64,7 @@ bool is_told(const std::vector<StageRefusal>& found, const Problem& p) {
 void Run::look_at_balance(std::size_t k, const StaticStage& stage, const Outlook& outlook,
                           std::vector<StageRefusal>& found) const {
   const bool now = k == stage_index();
+  if (now && under_way_) return;                                // it holds what has come off
   if (!(now ? state_ : outlook.state).waiting.empty()) return;  // who is there then is not known
   if (!now && (!outlook.pairs_known || model_.contact.law != ContactLaw::none)) return;
   const auto refusal = refusal_of(model_, stage, now ? state_ : outlook.state);

@@ -15,7 +15,8 @@ bool has_statics() {
   return false;
 }
 
-StaticOutcome solve_static_stage(const Model&, const StaticStage& stage, State, const StaticHooks&) {
+StaticOutcome solve_static_stage(const Model&, const StaticStage& stage, State, const StaticHooks&,
+                                 const FractureUnderWay*) {
   refuse(stage);
 }
 

@@ -115,8 +115,10 @@ OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem:
                                  [](const auto& component) { return component.has_value(); });
   });
   plan.lammps_dump = o.lammps_dump;
-  if (o.checkpoint_every)
-    plan.checkpoint_every = output_time(*o.checkpoint_every, model, "output.checkpoint.every", c);
+  if (o.checkpoint_every)  // where nothing moves time is the number of the balance
+    plan.checkpoint_every = c.any_dynamics()
+                                ? output_time(*o.checkpoint_every, model, "output.checkpoint.every", c)
+                                : o.checkpoint_every->resolve(1.0);
   plan.statics = any_statics(c);
   plan.cell = model.cell.any();
   plan.passage = !c.sources.empty() || !c.sinks.empty();

@@ -95,7 +95,8 @@ void Run::tell_notes_once() {
 }
 
 State Run::start_of_stage() const {
-  require(!simulation_ && (restart_ || state_.clock.stage_step == 0), "the stage is under way");
+  require(!simulation_ && !under_way_ && (restart_ || state_.clock.stage_step == 0),
+          "the stage is under way");
   State start = restart_ ? *restart_ : state_;
   if (!stage_) return start;
   take_back_bonds(start);
@@ -294,7 +295,7 @@ void Run::set_velocity(const std::vector<ParticleId>& particles, const Vec3d& v,
 }
 
 void Run::change_motion(PerParticle<Vec3d> v, PerParticle<Vec3d> omega) {
-  require(!restart_, "a static stage was interrupted: it begins and ends at rest");
+  require(!restart_ && !under_way_, "a static stage was interrupted: it begins and ends at rest");
   if (simulation_) {
     state_ = std::move(*simulation_).take_state();
     constexpr double unknown = std::numeric_limits<double>::quiet_NaN();

@@ -15,6 +15,7 @@
 #include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/run/stages.hpp"
+#include "vbond/statics/fracture_under_way.hpp"
 #include "vbond/statics/results.hpp"
 
 namespace vbond {
@@ -39,6 +40,10 @@ struct RunHooks {
   std::function<bool()> interrupted;             ///< asked between steps: true stops the run there
   /// What a static stage is at, one line every few seconds, without a line end.
   std::function<void(const std::string&)> progress = {};
+  /// A stage of fracture can go on from this point of it: state() and under_way() are those of now.
+  std::function<void()> under_way = {};
+  /// The balance from which a stage of fracture goes on, which observers have seen before it was stopped.
+  std::function<void(const BodyView&)> goes_on = {};
   /// A stage of dynamics has ended, was interrupted or has diverged (`failure` says why).
   std::function<void(const Simulation&, StopReason, const std::string& failure)> stage_end;
 };
@@ -75,6 +80,9 @@ class Run {
   /// for the one that leads to say. Must live as long as the run. Such a stage must not drop particles, nor
   /// have rigid groups that are free in part.
   void spread_over(Partition& partition) { partition_ = &partition; }
+  /// The state that the run begins with is of a stage of fracture, which goes on from there: its under_way()
+  /// of then. Throws if it is not of that stage and point.
+  void go_on_within(std::shared_ptr<const FractureUnderWay> then);
 
   /// The processes that step its bodies.
   const Exchange& exchange() const { return partition_ != nullptr ? *partition_ : one_rank(); }
@@ -107,7 +115,7 @@ class Run {
   /// told as it begins.
   std::vector<std::string> notes_on_stage() const;
   /// The state before prepare() has made the stage's bonds, which a run that begins in it makes again; of a
-  /// static stage that was interrupted the one to begin it again from.
+  /// static stage that was interrupted the one to begin it again from, where it does not go on from within.
   State start_of_stage() const;
 
   // ---- looking -----------------------------------------------------------------------------------
@@ -122,6 +130,9 @@ class Run {
   const State& current() const { return simulation_ ? simulation_->state() : state_; }
   /// The time loop of the dynamic stage under way, for energies, reactions and times; null without one.
   const Simulation* simulation() const { return simulation_.get(); }
+  /// Of a stage of fracture that is under way, or was interrupted: what it knows beside state(); null: the
+  /// stage begins, or is another one. With both it goes on (go_on_within), and so does this run.
+  const std::shared_ptr<const FractureUnderWay>& under_way() const { return under_way_; }
   /// Of each stage that has ended or failed here, in order.
   const std::vector<StageResult>& results() const { return results_; }
 
@@ -151,6 +162,7 @@ class Run {
   void sum_up_dropped();
   void close_stage(StopReason why);
   StageResult run_static();
+  StageResult run_on(const StaticStage& stage);
   StageResult find_balance(const StaticStage& stage);
   StageResult result_of_dynamics(StopReason why) const;
   void fail(const std::string& why);
@@ -174,6 +186,7 @@ class Run {
   std::optional<std::size_t> noted_stage_;  // which hooks were told of
   std::unique_ptr<Simulation> simulation_;  // of the dynamic stage that has begun
   std::optional<State> restart_;            // where a static stage that was interrupted begins again
+  std::shared_ptr<const FractureUnderWay> under_way_;
   std::vector<StageResult> results_;
   bool checked_ = false;
   std::string failure_;

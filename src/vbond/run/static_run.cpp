@@ -39,6 +39,7 @@ StageResult Run::run_static() {
     refuse("Run", {fmt::format("stage \"{}\" is static, and {} particles have not come in yet: a balance is "
                                "looked for with all particles",
                                stage.name, state_.waiting.size())});
+  if (under_way_) return run_on(stage);
   if (restart_) state_ = *std::exchange(restart_, {});
   if (moves(state_) && hooks_.tell)
     hooks_.tell(
@@ -49,9 +50,27 @@ StageResult Run::run_static() {
   state_.rest = {};
   state_.breaks = 0;
   state_.pressed.clear();
+  return run_on(stage);
+}
+
+void Run::go_on_within(std::shared_ptr<const FractureUnderWay> then) {
+  const auto require = [](bool holds, const char* rule) {
+    if (!holds) throw std::invalid_argument(std::string("Run::go_on_within: ") + rule);
+  };
+  require(then && then->begun && then->pattern, "there is nothing to go on with");
+  require(!complete() && stages_->kind(stage_index()) == StageKind::fracture && !simulation_ && !under_way_,
+          "the state is not of a stage of fracture");
+  require(then->found.points == state_.clock.stage_step, "the state is of another point of the stage");
+  refuse("Run::go_on_within", mistakes_in(model_, *then->begun));
+  under_way_ = std::move(then);
+}
+
+/// From the state as it is to the end of the stage, or to an interruption.
+StageResult Run::run_on(const StaticStage& stage) {
   StageResult result = find_balance(stage);
   if (result.interrupted()) return result;
   state_.books = opened_books(state_, potential_energies(model_, state_).total());
+  under_way_.reset();
   stage_.reset();
   begin_next_stage(state_.clock);
   results_.push_back(result);
@@ -65,14 +84,15 @@ StageResult Run::find_balance(const StaticStage& stage) {
   result.kind = stage.kind;
   StaticResult found;
   const State start = state_;
-  const std::int64_t first = state_.clock.stage_step;
+  const std::shared_ptr<const FractureUnderWay> then = under_way_;
+  const std::int64_t first = then ? 0 : state_.clock.stage_step;
   const auto leave = [&] {
     result.steps = state_.clock.stage_step - first;
     result.time = state_.clock.time();
     result.statics = std::move(found);
   };
   double load_factor = 0.0;
-  StaticHooks hooks{{}, hooks_.tell, hooks_.interrupted, hooks_.progress};
+  StaticHooks hooks{{}, hooks_.tell, hooks_.interrupted, hooks_.progress, {}, {}};
   hooks.point = [&](const StaticPoint& point) {
     const PointView view(model_, point);
     for (const auto& o : observers_) o->observe_balance(view, *view.balance());
@@ -80,6 +100,12 @@ StageResult Run::find_balance(const StaticStage& stage) {
     state_ = point.state;  // the last balance that is sound
     load_factor = point.load_factor;
   };
+  hooks.under_way = [&](FractureUnderWay now) {
+    under_way_ = std::make_shared<const FractureUnderWay>(std::move(now));
+    if (hooks_.under_way) hooks_.under_way();
+  };
+  if (hooks_.goes_on)
+    hooks.goes_on = [&](const StaticPoint& point) { hooks_.goes_on(PointView(model_, point)); };
   const auto failed = [&](const std::string& why) {
     fail(why);
     leave();
@@ -93,14 +119,15 @@ StageResult Run::find_balance(const StaticStage& stage) {
   };
   try {
     exchange().together([&] {  // each process for itself, and only one may hear of an interruption
-      StaticOutcome outcome = solve_static_stage(model_, stage, start, hooks);
+      StaticOutcome outcome = solve_static_stage(model_, stage, start, hooks, then.get());
       found = std::move(outcome.result);
-      state_ = std::move(outcome.state);
+      // of a stage that can go on the last point stays, which is that of under_way_
+      if (!(under_way_ && found.ended == "interrupted")) state_ = std::move(outcome.state);
     });
     leave();
     if (exchange().leader_says(result.statics->ended == "interrupted")) {
       result.stop = StopReason::interrupted;
-      restart_ = start;
+      if (!under_way_) restart_ = start;
     } else if (result.steps == 0) {
       throw std::logic_error("stage \"" + stage.name + "\" ended without a point of balance");
     }

@@ -14,7 +14,7 @@ bool has_statics();
 
 /// run_static_stage().
 StaticOutcome solve_static_stage(const Model& model, const StaticStage& stage, State state,
-                                 const StaticHooks& hooks);
+                                 const StaticHooks& hooks, const FractureUnderWay* then);
 
 /// Why a stage that begins in this state is refused: its bodies can move freely, or nothing is free.
 std::optional<NoEquilibrium> refusal_of(const Model& model, const StaticStage& stage, const State& state);

@@ -12,8 +12,8 @@ bool has_statics() {
 }
 
 StaticOutcome solve_static_stage(const Model& model, const StaticStage& stage, State state,
-                                 const StaticHooks& hooks) {
-  return run_static_stage(model, stage, std::move(state), hooks);
+                                 const StaticHooks& hooks, const FractureUnderWay* then) {
+  return run_static_stage(model, stage, std::move(state), hooks, then);
 }
 
 std::optional<NoEquilibrium> refusal_of(const Model& model, const StaticStage& stage, const State& state) {

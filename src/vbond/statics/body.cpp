@@ -108,8 +108,11 @@ StaticBody::StaticBody(const Model& model, const StaticStage& stage, State state
 void StaticBody::accept() {
   for (RestTerm* t : terms_.all()) t->accept();
   if (!flows()) return;
+  of_tangent_ = {};
+  if (stiffness_.current) of_tangent_ = at_accepted_ ? accepted_before_ : accepted_;
   accepted_before_ = accepted_.empty() ? state_.bond_history : accepted_;
   accepted_ = state_.bond_history;
+  if (of_tangent_ == accepted_before_) of_tangent_ = {};
   accepted_at_ = placement();
   at_accepted_ = true;
 }
@@ -121,6 +124,7 @@ void StaticBody::placed() {
   for (RestTerm* t : terms_.all()) t->follow();
   if (!grips_.empty()) look_at_grips(), set_held_rates();
   stiffness_.current = false;
+  of_tangent_ = {};
   if (!flows()) return;
   at_accepted_ = state_.r == accepted_at_.r && state_.q == accepted_at_.q &&
                  state_.cell == accepted_at_.cell &&
@@ -204,6 +208,7 @@ Energies StaticBody::energies() const {
 void StaticBody::break_bond(BondId k, BreakMode mode) {
   Bond& broken = state_.bonds[k];
   broken.mode = mode;
+  ++breaks_;
   if (broken.law->crack != nullptr) return leave_faces(k);
   broken.broken = true;
   touching_.forget();

@@ -118,6 +118,12 @@ std::vector<Quatd> StaticBody::turns_of_grips() const {
   return turns;
 }
 
+std::vector<Quatd> StaticBody::turns_before() const {
+  std::vector<Quatd> turns;
+  for (const Grip& g : grips_) turns.push_back(g.before);
+  return turns;
+}
+
 void StaticBody::set_turns_before(const std::vector<Quatd>& turns) {
   for (std::size_t k = 0; k < std::min(turns.size(), grips_.size()); ++k) grips_[k].before = turns[k];
 }

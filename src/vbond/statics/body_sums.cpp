@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "vbond/model/touching.hpp"
@@ -159,8 +160,13 @@ void StaticBody::lay_out() const {
   for_touching(
       [&](ParticleId i, ParticleId j, const Image& n, double) { for_pairs_of(unknowns_, i, j, n, add); });
   for (const RestTerm* t : terms_.all()) t->add_pairs(pairs);
-  stiffness_.assembly.lay_out(pairs);
-  if (flows()) stiffness_.full.lay_out(pairs);
+  lay_out_for(std::move(pairs));
+}
+
+void StaticBody::lay_out_for(std::vector<Assembly::Pair> pairs) const {
+  pattern_ = std::move(pairs);
+  stiffness_.assembly.lay_out(pattern_);
+  if (flows()) stiffness_.full.lay_out(pattern_);
 }
 
 /// All zero, with room for what touches now.

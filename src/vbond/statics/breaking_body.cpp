@@ -42,8 +42,99 @@ BreakingBody::BreakingBody(const Model& model, const StaticStage& stage, State b
   begin(std::move(balanced), 0.0);
 }
 
+BreakingBody::BreakingBody(const Model& model, const StaticStage& stage, State now,
+                           const FractureUnderWay& then, const StaticHooks& hooks, StaticResult& result)
+    : model_(model), hooks_(hooks), result_(result), stage_(std::make_unique<StaticStage>(stage)) {
+  const FractureUnderWay::Numbers& n = then.numbers;
+  for (const HeldPart& part : then.held)
+    if (part.why == HeldPart::Why::came_off) hold(part);
+  begin(*then.begun, n.held_at);
+  body_->set_turns_before(then.turns_of_grips);
+  begun_ = then.begun;
+  if (body_->unknowns().size() != n.unknowns) refuse_another_stage(then);
+  body_->make_room_for(*then.pattern, n.flows);
+  go_on_with_kept_factor(then);
+  body_->go_on_from(std::move(now), n.load_factor, n.breaks, then.remembered_before);
+  refuse_another_stage(then);
+  body_->take_tangent_of(then.remembered_of_tangent);
+  if (n.unknowns > 0) prepare_solver();
+  // CHOLMOD's first factor in columns after an analysis is L D L^T, taken to L L^T then, which later ones are
+  // at once: other last digits
+  if (n.unknowns > 0 && !solver_->has_kept()) solver_->factor_definite(*body_);
+  rate_ = Eigen::Map<const Vector>(then.rate.data(), static_cast<Eigen::Index>(then.rate.size()));
+  if (n.stable) stable_at_ = body_->placement();
+  if (n.open) unstable_.reset();
+  // where a bond has just broken the factor by which the rate was found is at hand, and is not made again
+  const bool just_broken = !n.has_before && then.found.points > 1;
+  if (just_broken && n.unknowns > 0 && body_->has_moment_part()) solver_->take_full(*body_);
+  factors_before_ = then.found.factors - solver_->factors_made();
+}
+
+/// The bonds that have broken since body_ was made are the last ones.
+void BreakingBody::go_on_with_kept_factor(const FractureUnderWay& then) {
+  const std::vector<BrokenBond>& breaks = then.found.fracture.breaks;
+  const auto first = static_cast<std::int64_t>(breaks.size()) - then.numbers.breaks;
+  const std::int64_t number = then.factor.made_at ? then.factor.made_at->breaks : 0;
+  std::vector<BondId> broken;
+  for (std::int64_t k = 0; k < number; ++k)
+    broken.push_back(breaks.at(static_cast<std::size_t>(first + k)).use.bond);
+  solver_->go_on_with_kept(*body_, then.factor, broken);
+}
+
+/// Its loads, or what its supports hold, would be others than those that the body is in balance with.
+void BreakingBody::refuse_another_stage(const FractureUnderWay& then) const {
+  constexpr double far = 1e3, near = 1e-9;  // of what a balance may leave; of the length scale
+  const bool fits = [&] {
+    if (body_->unknowns().size() != then.numbers.unknowns) return false;
+    if (!(body_->residual() <= far * std::max(stage_->newton.tolerance, body_->residual_of_rounding())))
+      return false;
+    const Placement here = body_->placement();
+    body_->move(Vector::Zero(body_->unknowns().size()), here.load_factor);  // grips to where they belong
+    const double length = body_->unknowns().length(), moved = distance(here, body_->placement(), length);
+    body_->restore(here);
+    return moved <= near * length;
+  }();
+  if (fits) return;
+  throw NoEquilibrium(
+      stage_->name,
+      fmt::format("load factor {:.6g}: the body that the checkpoint holds is not in balance in this stage",
+                  then.numbers.load_factor),
+      "supports, loads and walls of a stage of fracture that is under way stay as they are; undo the edit");
+}
+
+void BreakingBody::note(FractureUnderWay& now) const {
+  FractureUnderWay::Numbers& n = now.numbers;
+  n.load_factor = load_factor();
+  n.held_at = begun_at_;
+  n.breaks = body_->breaks();
+  n.unknowns = body_->unknowns().size();
+  n.flows = body_->flows();
+  n.open = !unstable_;
+  now.turns_of_grips = body_->turns_before();
+  n.stable = stable_at_ && same_place(*stable_at_, body_->placement());
+  n.cell_stress_at_start = stage_->cell_stress_at_start;
+  now.found.factors = factors();
+  now.rate.assign(rate_.data(), rate_.data() + rate_.size());
+  now.held.insert(now.held.end(), held_.begin(), held_.end());
+  now.begun = begun_;
+  now.pattern = std::make_shared<const std::vector<Assembly::Pair>>(body_->pattern());
+  if (body_->flows()) now.remembered_before = body_->remembered_before();
+  if (body_->flows()) now.remembered_of_tangent = body_->remembered_of_tangent();
+  now.factor = solver_->kept_under_way();
+}
+
+void BreakingBody::hold(const HeldPart& part) {
+  held_.push_back(part);
+  if (part.grip)
+    free_grip_of(part.particle).held[part.dof] = true;
+  else
+    stage_->supports.push_back(support_of(part));
+}
+
 void BreakingBody::begin(State state, double load_factor) {
   const std::vector<Quatd> turned = body_ ? body_->turns_of_grips() : std::vector<Quatd>{};
+  begun_ = std::make_shared<const State>(state);
+  begun_at_ = load_factor;
   body_ = std::make_unique<StaticBody>(model_, *stage_, std::move(state), load_factor);
   body_->set_turns_before(turned);
   if (solver_) factors_before_ = factors();
@@ -230,14 +321,11 @@ std::optional<std::string> BreakingBody::hold_free_parts() {
            load_factor(), is_pressed ? ", and bears what pressure drives it" : "", first_of(free.names)));
   for (const int unknown : holding_unknowns(free.basis)) {
     const auto [particle, dof] = body_->unknowns().place(unknown);
-    if (body_->unknowns().arm(particle) != nullptr) {
-      free_grip_of(particle).held[static_cast<std::size_t>(dof)] = true;
-      continue;
-    }
-    Support hold{"", {particle}, {}, {}, {}};
-    hold.held[static_cast<std::size_t>(dof)] = true;
-    if (const HeldAxes* axes = body_->unknowns().axes(particle)) hold.axes = *axes;
-    stage_->supports.push_back(std::move(hold));
+    HeldPart part{particle, static_cast<std::uint8_t>(dof), HeldPart::Why::came_off};
+    part.grip = body_->unknowns().arm(particle) != nullptr;
+    const HeldAxes* axes = body_->unknowns().axes(particle);
+    if (!part.grip && axes != nullptr) part.axes = *axes;
+    hold(part);
   }
   ++result_.fracture.released_parts;
   const double factor = load_factor();

@@ -50,26 +50,39 @@ class Fracture {
         hooks_(hooks),
         result_(result),
         found_(result.fracture),
-        walk_(model, stage, std::move(balanced), hooks, result) {}
+        walk_(model, stage, std::move(balanced), hooks, result) {
+    begin();
+  }
+  /// Where it was stopped.
+  Fracture(const Model& model, const StaticStage& stage, State now, const FractureUnderWay& then,
+           const StaticHooks& hooks, StaticResult& result)
+      : stage_(stage),
+        settings_(stage.fracture),
+        hooks_(hooks),
+        result_(result),
+        found_(result.fracture),
+        walk_(model, stage, std::move(now), then, hooks, result),
+        now_(walk_.here()),
+        told_at_(result.points) {
+    take_up(then.numbers);
+    if (hooks_.goes_on) hooks_.goes_on(point_at(walk_.body(), PointKind::regular, 0, result_));
+  }
 
   State run() {
-    refuse_rigid_motions(walk_.body());
-    if (walk_.body().unknowns().size() > 0) walk_.prepare_solver();
-    now_ = walk_.here();
-    if (!now_.most) tell(stage_, hooks_, "no bond has a strength: nothing can break");
-    found_.books.initial = found_.books.stored = now_.stored;
-    dissipated_before_ = now_.dissipated;
-    note_balance(PointKind::regular);
     while (result_.ended.empty()) {
+      tell_where_it_stands();
       if (hooks_.interrupted && hooks_.interrupted())
         result_.ended = "interrupted";
+      else if (way_)
+        step_on();
       else if (is_past(now_))
         break_one();
       else if (now_.at.load_factor >= settings_.end)
         end("load factor", "");
       else
-        go_on(settings_.end);
+        set_out(settings_.end);
     }
+    if (breaking_) end_break();
     if (std::abs(found_.books.error()) * found_.books.largest >
         books_error * found_.books.largest + rounding_of_books())
       tell_missing();
@@ -79,6 +92,45 @@ class Fracture {
   }
 
  private:
+  void begin() {
+    refuse_rigid_motions(walk_.body());
+    if (walk_.body().unknowns().size() > 0) walk_.prepare_solver();
+    now_ = walk_.here();
+    if (!now_.most) tell(stage_, hooks_, "no bond has a strength: nothing can break");
+    found_.books.initial = found_.books.stored = now_.stored;
+    dissipated_before_ = now_.dissipated;
+    note_balance(PointKind::regular);
+  }
+
+  /// All that take_up(), and the walk, need to go on from here.
+  void tell_where_it_stands() {
+    if (!hooks_.under_way || std::exchange(told_at_, result_.points) == result_.points) return;
+    FractureUnderWay now;
+    FractureUnderWay::Numbers& n = now.numbers;
+    n.dissipated_before = dissipated_before_, n.largest_reaction = largest_reaction_;
+    n.avalanche_factor = avalanche_factor_, n.in_avalanche = in_avalanche_;
+    n.has_before = before_.has_value();
+    if (before_) n.before_factor = before_->load_factor, n.before_use = before_->use;
+    n.on_way = way_.has_value();
+    if (way_) n.way_to = way_->to, n.way_limit = way_->limit;
+    n.breaking = breaking_;
+    n.peak_pushes = peak_pushes_;
+    n.worst_from = worst_.from, n.worst_to = worst_.to, n.worst_energy = worst_.energy;
+    now.found = result_;
+    now.held = floating_held(stage_);
+    walk_.note(now);
+    hooks_.under_way(std::move(now));
+  }
+  void take_up(const FractureUnderWay::Numbers& n) {
+    dissipated_before_ = n.dissipated_before, largest_reaction_ = n.largest_reaction;
+    avalanche_factor_ = n.avalanche_factor, in_avalanche_ = static_cast<int>(n.in_avalanche);
+    if (n.has_before) before_ = {n.before_factor, n.before_use};
+    if (n.on_way) way_ = {n.way_to, n.way_limit};
+    breaking_ = n.breaking;
+    peak_pushes_ = n.peak_pushes;
+    worst_ = {n.worst_from, n.worst_to, n.worst_energy};
+  }
+
   void end(const std::string& how, const std::string& reason) {
     result_.ended = how;
     found_.reason = reason;
@@ -93,15 +145,25 @@ class Fracture {
                                                 : ""));
   }
 
-  /// Along the load factor towards `to`, until the largest utilisation is 1. A step begins at a stable
-  /// balance and ends at one.
-  void go_on(double to) {
-    const bool up = to > now_.at.load_factor;
-    const double largest = settings_.end / std::max(1, stage_.steps), smallest = 1e-7 * largest;
-    double limit = largest;
-    std::optional<Step> longer;  // the last from here whose books did not close
+  double longest_step() const { return settings_.end / std::max(1, stage_.steps); }
+
+  /// Along the load factor towards `to`, until the largest utilisation is 1.
+  void set_out(double to) {
     if (!walk_.is_stable()) return lose_stability("the balance is not stable any more");
-    while (now_.at.load_factor != to && result_.ended.empty()) {
+    way_ = {to, longest_step()};
+  }
+  void arrive() {
+    way_.reset();
+    if (breaking_) end_break();
+  }
+
+  /// A step of the way, which begins at a stable balance and ends at one.
+  void step_on() {
+    const double to = way_->to, largest = longest_step(), smallest = 1e-7 * largest;
+    const bool up = to > now_.at.load_factor;
+    double& limit = way_->limit;
+    std::optional<Step> longer;  // the last from here whose books did not close
+    while (result_.ended.empty()) {
       if (hooks_.interrupted && hooks_.interrupted()) return void(result_.ended = "interrupted");
       const double from = now_.at.load_factor;
       const double wanted = std::min({limit, std::abs(expected_step()), walk_.longest_step()});
@@ -124,18 +186,19 @@ class Fracture {
         if (!walk_.is_stable()) return lose_stability("the balance is not stable any more");
         continue;
       }
-      longer.reset();
       note_missing(*made);
       const bool may_grow = closes(*made, 0.5 * books_error_of_step);  // it grows with the step, or faster
-      before_ = std::exchange(now_, std::move(made->to));
+      before_ = {now_.at.load_factor, use_of(now_)};
+      now_ = std::move(made->to);
       add_work(made->work[0]);
       walk_.add_work_of_walls(made->work);
       const bool critical = up ? is_past(now_) : use_of(now_) <= 1.0 + same_use;
       note_balance(critical                               ? PointKind::critical
                    : now_.at.load_factor == settings_.end ? PointKind::end
                                                           : PointKind::regular);
-      if (critical) return;
+      if (critical || now_.at.load_factor == to) return arrive();
       if (may_grow) limit = std::min(largest, 2.0 * limit);
+      return;
     }
   }
 
@@ -160,8 +223,7 @@ class Fracture {
   double expected_step() const {
     const double f = now_.at.load_factor, u = use_of(now_);
     double slope = f > 0.0 ? u / f : 0.0;
-    if (before_.at.load_factor != f && !before_.at.r.empty())
-      slope = (u - use_of(before_)) / (f - before_.at.load_factor);
+    if (before_ && before_->load_factor != f) slope = (u - before_->use) / (f - before_->load_factor);
     const double step = (1.0 - u) / slope;
     const bool rising = slope > 0.0 && std::isfinite(step);
     return rising ? step : settings_.end;
@@ -203,9 +265,15 @@ class Fracture {
     walk_.break_bond(k, event.cause.mode);
     found_.breaks.push_back(std::move(broken));
     find_balance_after();
+    breaking_ = true;
     if (result_.ended.empty() && settings_.control == FractureControl::crack &&
         use_of(now_) > 1.0 + same_use && now_.at.load_factor > 0.0)
-      go_on(0.0);
+      set_out(0.0);
+    if (!way_) end_break();
+  }
+
+  void end_break() {
+    breaking_ = false;
     BrokenBond& after = found_.breaks.back();
     after.work = found_.books.work;
     after.stored = now_.stored;
@@ -260,7 +328,7 @@ class Fracture {
           fmt::format("no stable balance follows the break of bond {}", found_.breaks.back().use.bond.value));
     }
     const Balance unbroken = std::exchange(now_, walk_.here());
-    before_ = {};
+    before_.reset();
     const double work = walk_.work_of_jump(unbroken, now_);
     add_work(work);
     book_release(spent + work - now_.spent());
@@ -335,7 +403,17 @@ class Fracture {
   StaticResult& result_;
   FractureResult& found_;
   BreakingBody walk_;
-  Balance now_, before_;  // this balance; the one before it, empty after a break
+  Balance now_;
+  struct Use {
+    double load_factor, use;
+  };
+  std::optional<Use> before_;  // of the balance before; nothing after a break
+  struct Way {
+    double to, limit;  // load factor; of its change in a step
+  };
+  std::optional<Way> way_;
+  bool breaking_ = false;  // a bond has broken, and the load goes down before all is known of that
+  int told_at_ = 0;        // point of tell_where_it_stands()
   int in_avalanche_ = 0;
   double avalanche_factor_ = 0;
   double dissipated_before_ = 0;  // the stage
@@ -349,7 +427,14 @@ class Fracture {
 }  // namespace
 
 StaticOutcome break_at_rest(const Model& model, const StaticStage& stage, State state,
-                            const StaticHooks& hooks) {
+                            const StaticHooks& hooks, const FractureUnderWay* then) {
+  if (then) {
+    StaticStage from = stage;
+    from.cell_stress_at_start = then->numbers.cell_stress_at_start;
+    return run_from_balance(stage, std::move(state), then->found, [&](State now, StaticResult& result) {
+      return Fracture(model, from, std::move(now), *then, hooks, result).run();
+    });
+  }
   return run_from_constant_loads(model, stage, std::move(state), hooks,
                                  [&](State balanced, StaticResult& result) {
                                    const StaticStage from = from_stress_found(model, stage, balanced);

@@ -43,6 +43,7 @@ DenseMatrix product(const SparseMatrix& A, const DenseMatrix& P) {
 
 void KeptFactor::begin(const SparseMatrix& A) {
   at_hand_ = true;
+  random_as_made_ = random_;
   M_ = A;
   changes_.clear();
   constexpr double largest_share = 0.5;  // of the memory, for the factor without the copy of half its size
@@ -91,12 +92,18 @@ double KeptFactor::price_of(Eigen::Index columns) const {
 }
 
 void KeptFactor::follow(const SparseMatrix& A, const std::vector<int>& unknowns) {
-  constexpr double least_part = 1e-3;  // of the largest: what is less is movement, as everywhere else
   const auto at = [&unknowns](Eigen::Index k) { return unknowns[static_cast<std::size_t>(k)]; };
   const auto size = static_cast<Eigen::Index>(unknowns.size());
   DenseMatrix change(size, size);
   for (Eigen::Index j = 0; j < size; ++j)
     for (Eigen::Index i = 0; i < size; ++i) change(i, j) = A.coeff(at(i), at(j)) - M_.coeff(at(i), at(j));
+  follow(unknowns, std::move(change));
+}
+
+void KeptFactor::follow(const std::vector<int>& unknowns, DenseMatrix change) {
+  constexpr double least_part = 1e-3;  // of the largest: what is less is movement, as everywhere else
+  const auto at = [&unknowns](Eigen::Index k) { return unknowns[static_cast<std::size_t>(k)]; };
+  const Eigen::Index size = change.rows();
   const DenseEigen parts = dense_eigenpairs(change);
   if (!parts.found || !parts.values.allFinite()) return drop();
   std::vector<Eigen::Index> large;
@@ -105,9 +112,9 @@ void KeptFactor::follow(const SparseMatrix& A, const std::vector<int>& unknowns)
     if (std::abs(parts.values[k]) > least) large.push_back(k);
   if (large.empty()) return;
 
-  Change c{unknowns, parts.vectors(Eigen::all, large), {}, {}};
+  Change c{unknowns, parts.vectors(Eigen::all, large), {}, {}, std::move(change)};
   const Vector values = parts.values(large);
-  DenseMatrix Q = DenseMatrix::Zero(A.rows(), c.Q.cols());
+  DenseMatrix Q = DenseMatrix::Zero(M_.rows(), c.Q.cols());
   Q(unknowns, Eigen::all) = c.Q;
   c.Z = solve_kept(Q);
   DenseMatrix outer = c.Q.transpose() * c.Z(unknowns, Eigen::all);
@@ -125,6 +132,31 @@ void KeptFactor::follow(const SparseMatrix& A, const std::vector<int>& unknowns)
   price_ += static_cast<double>(c.Z.size()) * sizeof(double) / ((in_single_ ? 1.0 : 2.0) * factor_.bytes());
   in_cycle_ += price_of(c.Z.cols());
   changes_.push_back(std::move(c));
+}
+
+KeptFactorUnderWay KeptFactor::under_way() const {
+  KeptFactorUnderWay now;
+  for (const Change& c : changes_)
+    now.changes.push_back(
+        {{c.unknowns.begin(), c.unknowns.end()}, {c.given.data(), c.given.data() + c.given.size()}});
+  now.random_as_made = random_as_made_, now.random = random_;
+  now.proofs = proofs_, now.spent = spent_, now.in_cycle = in_cycle_, now.recent = recent_;
+  return now;
+}
+
+bool KeptFactor::go_on_from(const SparseMatrix& A, const KeptFactorUnderWay& then) {
+  random_ = then.random_as_made;
+  begin(A);
+  for (const KeptFactorUnderWay::Change& c : then.changes) {
+    const auto size = static_cast<Eigen::Index>(c.unknowns.size());
+    follow(std::vector<int>(c.unknowns.begin(), c.unknowns.end()),
+           Eigen::Map<const DenseMatrix>(c.numbers.data(), size, size));
+    if (!at_hand_) return false;
+  }
+  draw_on_from(then.random);
+  proofs_ = static_cast<int>(then.proofs);
+  spent_ = then.spent, in_cycle_ = then.in_cycle, recent_ = then.recent;
+  return true;
 }
 
 DenseMatrix KeptFactor::solve_kept(const DenseMatrix& B) const {

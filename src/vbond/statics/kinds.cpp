@@ -121,12 +121,36 @@ StaticStage with_floating_held(const Model& model, const StaticStage& stage, con
                      first_of(free.names)));
   for (const int unknown : holding_unknowns(free.basis)) {
     const auto [particle, dof] = body.unknowns().place(unknown);
-    Support hold{floating, {particle}, {}, {}, {}};
-    hold.held[static_cast<std::size_t>(dof)] = true;
-    if (const HeldAxes* axes = body.unknowns().axes(particle)) hold.axes = *axes;
-    held.supports.push_back(std::move(hold));
+    HeldPart part{particle, static_cast<std::uint8_t>(dof), HeldPart::Why::floats};
+    if (const HeldAxes* axes = body.unknowns().axes(particle)) part.axes = *axes;
+    held.supports.push_back(support_of(part));
   }
   return held;
+}
+
+Support support_of(const HeldPart& part) {
+  Support hold{part.why == HeldPart::Why::floats ? floating : "", {part.particle}, {}, {}, {}};
+  hold.held[part.dof] = true;
+  hold.axes = part.axes;
+  return hold;
+}
+
+StaticStage with_held(const StaticStage& stage, const std::vector<HeldPart>& parts) {
+  StaticStage held = stage;
+  for (const HeldPart& part : parts)
+    if (part.why == HeldPart::Why::floats) held.supports.push_back(support_of(part));
+  return held;
+}
+
+std::vector<HeldPart> floating_held(const StaticStage& stage) {
+  std::vector<HeldPart> parts;
+  for (const Support& s : stage.supports) {
+    if (s.group != floating) continue;
+    const auto dof = std::find(s.held.begin(), s.held.end(), true) - s.held.begin();
+    parts.push_back(
+        {s.particles.front(), static_cast<std::uint8_t>(dof), HeldPart::Why::floats, false, s.axes});
+  }
+  return parts;
 }
 
 StaticStage without_floating_held(StaticStage stage) {
@@ -215,10 +239,19 @@ void report_point(StaticBody& body, PointKind kind, std::optional<int> unstable,
   ++result.points;
   result.load_factor = body.load_factor();
   if (body.stage().kind != StageKind::fracture) watch_strength(body, hooks, result);
-  if (hooks.point)
-    hooks.point({body.state(), body.load_factor(), kind, unstable, body.energies(),
-                 [&body](const std::vector<ParticleId>& particles) { return body.reaction(particles); },
-                 body.grips(), result.fracture.books.released});
+  if (hooks.point) hooks.point(point_at(body, kind, unstable, result));
+}
+
+StaticPoint point_at(StaticBody& body, PointKind kind, std::optional<int> unstable,
+                     const StaticResult& result) {
+  return {body.state(),
+          body.load_factor(),
+          kind,
+          unstable,
+          body.energies(),
+          [&body](const std::vector<ParticleId>& particles) { return body.reaction(particles); },
+          body.grips(),
+          result.fracture.books.released};
 }
 
 StaticOutcome interrupted_outcome(StaticResult result, State state) {
@@ -259,6 +292,16 @@ StaticOutcome run_from_constant_loads(const Model& model, const StaticStage& sta
     return {std::move(result), std::move(end)};
   } catch (...) {
     throw StaticStageFailed(current_failure(stage), std::move(result));
+  }
+}
+
+StaticOutcome run_from_balance(const StaticStage& stage, State balanced, StaticResult found,
+                               const RunFromBalance& run) {
+  try {
+    State end = run(std::move(balanced), found);
+    return {std::move(found), std::move(end)};
+  } catch (...) {
+    throw StaticStageFailed(current_failure(stage), std::move(found));
   }
 }
 

@@ -22,14 +22,15 @@
 namespace vbond {
 namespace {
 
-StaticOutcome run_kind(const Model& model, const StaticStage& stage, State state, const StaticHooks& hooks) {
+StaticOutcome run_kind(const Model& model, const StaticStage& stage, State state, const StaticHooks& hooks,
+                       const FractureUnderWay* then) {
   switch (stage.kind) {
     case StageKind::dynamics: break;
     case StageKind::equilibrium: return find_equilibrium(model, stage, std::move(state), hooks);
     case StageKind::path: return follow_path(model, stage, std::move(state), hooks);
     case StageKind::buckling: return find_critical_loads(model, stage, std::move(state), hooks);
     case StageKind::modes: return find_modes(model, stage, std::move(state), hooks);
-    case StageKind::fracture: return break_at_rest(model, stage, std::move(state), hooks);
+    case StageKind::fracture: return break_at_rest(model, stage, std::move(state), hooks, then);
   }
   throw std::invalid_argument("run_static_stage: a dynamic stage is run by a Simulation");
 }
@@ -93,6 +94,16 @@ class HeldAboutOneAxis {
       for (const ParticleId p : s.particles)
         if (held[p] == 1) at_start_.push_back({s.group, p, state.q[p]});
   }
+  std::vector<Quatd> at_start() const {
+    std::vector<Quatd> turned;
+    for (const Held& h : at_start_) turned.push_back(h.turned);
+    return turned;
+  }
+  /// Of a stage that goes on: as it began.
+  void set_start(const std::vector<Quatd>& turned) {
+    for (std::size_t k = 0; k < std::min(turned.size(), at_start_.size()); ++k)
+      at_start_[k].turned = turned[k];
+  }
   /// Once the stage has ended: the error of its steps is of the second order in how far they turn.
   void tell_of_steps(const StaticStage& stage, const State& end, const StaticHooks& hooks) const {
     constexpr double far = 1e-3;  // of 1: an error in the sixth digit
@@ -148,7 +159,7 @@ void refuse_pressure_without_energy(const Model& model, const StaticStage& stage
 }  // namespace
 
 StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, State state,
-                               const StaticHooks& hooks) {
+                               const StaticHooks& hooks, const FractureUnderWay* then) {
   require_consistent("run_static_stage", model, stage, state);
   const OneBlasThread alone;
   const Pulse pulse(stage, hooks);
@@ -161,17 +172,27 @@ StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, Sta
     if (hooks.point) hooks.point(p);
   };
   try {
-    begin_anew(state, Anew::any_stage);
-    Terms::for_each([&]<class T>(T) { T::begin_at_rest(stage, state); });
-    refuse_bonds_that_remember(stage, state);
-    refuse_contacts(model, stage, state);
-    refuse_bonds_without_length(stage, state);
-    refuse_pressure_without_energy(model, stage, state);
-    tell_what_rests(model, stage, state, hooks);
-    const HeldAboutOneAxis one_axis(model, stage, state);
+    if (!then) {
+      begin_anew(state, Anew::any_stage);
+      Terms::for_each([&]<class T>(T) { T::begin_at_rest(stage, state); });
+      refuse_bonds_that_remember(stage, state);
+      refuse_contacts(model, stage, state);
+      refuse_bonds_without_length(stage, state);
+      refuse_pressure_without_energy(model, stage, state);
+      tell_what_rests(model, stage, state, hooks);
+    }
+    HeldAboutOneAxis one_axis(model, stage, state);
+    if (then) one_axis.set_start(then->turned_at_start);
     const bool floats = model.cell.any() && stage.kind != StageKind::modes;
-    const StaticStage held = floats ? with_floating_held(model, stage, state, hooks) : stage;
-    StaticOutcome outcome = run_kind(model, held, std::move(state), keeping);
+    const StaticStage held = then     ? with_held(stage, then->held)
+                             : floats ? with_floating_held(model, stage, state, hooks)
+                                      : stage;
+    if (hooks.under_way)
+      keeping.under_way = [&](FractureUnderWay now) {
+        now.turned_at_start = one_axis.at_start();
+        hooks.under_way(std::move(now));
+      };
+    StaticOutcome outcome = run_kind(model, held, std::move(state), keeping, then);
     one_axis.tell_of_steps(stage, outcome.state, hooks);
     return outcome;
   } catch (const NoEquilibrium&) {

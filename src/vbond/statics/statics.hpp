@@ -4,6 +4,7 @@
 #include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/model/static_stage.hpp"
+#include "vbond/statics/fracture_under_way.hpp"
 #include "vbond/statics/results.hpp"
 
 namespace vbond {
@@ -15,6 +16,11 @@ struct StaticHooks {
   std::function<bool()> interrupted;              ///< asked between steps, and within; may be empty
   /// What the stage is at, one line every few seconds, without a line end; may be empty.
   std::function<void(const std::string&)> progress = {};
+  /// What a stage of fracture knows beside the state of the last point, after each point; may be empty.
+  std::function<void(FractureUnderWay)> under_way = {};
+  /// The point from which a stage of fracture goes on, which was handed to `point` before it was stopped; may
+  /// be empty.
+  std::function<void(const StaticPoint&)> goes_on = {};
 };
 
 struct StaticOutcome {
@@ -28,8 +34,11 @@ struct StaticOutcome {
 /// what stood in the way; every balance up to there has been handed to hooks.point. Throws
 /// std::invalid_argument if model, stage or state have a mistake (model/mistakes.hpp). The energy books of
 /// the state are left alone; a Run (run/run.hpp) opens them anew.
+///
+/// then: a stage of fracture goes on where hooks.under_way told this, in the state of the last point before
+/// it. All that it finds, and the last bit of it, is as if it had not been stopped.
 StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, State state,
-                               const StaticHooks& hooks);
+                               const StaticHooks& hooks, const FractureUnderWay* then = nullptr);
 
 /// Throws NoEquilibrium, naming them, if parts of the body can move freely, as run_static_stage does when a
 /// stage of balance, path or buckling begins, or if supports hold everything, which only a balance and a

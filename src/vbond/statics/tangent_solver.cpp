@@ -84,8 +84,35 @@ bool TangentSolver::factor_definite(const StaticBody& body, double shift) {
   }
   drop_kept();
   const bool definite = factor_.factor_definite(body.tangent(), shift);
-  if (definite && shift == 0.0 && may_keep() && !body.is_unsymmetric()) kept_.begin(body.tangent());
+  if (definite && shift == 0.0 && may_keep() && !body.is_unsymmetric()) keep(body);
   return definite;
+}
+
+void TangentSolver::keep(const StaticBody& body) {
+  kept_.begin(body.tangent());
+  const State& s = body.state();
+  kept_of_ = std::make_shared<const KeptFactorUnderWay::Place>(
+      KeptFactorUnderWay::Place{s.r, s.q, s.cell, body.load_factor(), body.breaks()});
+}
+
+KeptFactorUnderWay TangentSolver::kept_under_way() const {
+  KeptFactorUnderWay now = kept_.under_way();
+  if (kept_.at_hand()) now.made_at = kept_of_;
+  for (const std::vector<int>& unknowns : breaks_) now.breaks.emplace_back(unknowns.begin(), unknowns.end());
+  return now;
+}
+
+void TangentSolver::go_on_with_kept(StaticBody& body, const KeptFactorUnderWay& then,
+                                    const std::vector<BondId>& broken) {
+  kept_.draw_on_from(then.random);
+  if (!then.made_at) return;
+  const KeptFactorUnderWay::Place& at = *then.made_at;
+  body.stand_as_then({at.r, at.q, at.load_factor, at.cell}, broken);
+  prepare(body);
+  if (by_multigrid() || !factor_.factor_definite(body.tangent()) || !kept_.go_on_from(body.tangent(), then))
+    return drop_kept();  // of another machine: a new one will do
+  kept_of_ = then.made_at;
+  for (const auto& unknowns : then.breaks) breaks_.emplace_back(unknowns.begin(), unknowns.end());
 }
 
 std::optional<int> TangentSolver::factor(const StaticBody& body) {
@@ -153,6 +180,7 @@ void TangentSolver::note_break(std::vector<int> unknowns) {
 
 void TangentSolver::drop_kept() {
   kept_.drop();
+  kept_of_.reset();
   breaks_.clear();
   present_ = nullptr;
 }
@@ -162,6 +190,7 @@ bool TangentSolver::kept_for(const StaticBody& body) {
   lost_ = false;
   if (!kept_.at_hand() || body.is_unsymmetric()) return false;
   present_ = &body.tangent();
+  present_body_ = &body;
   for (const std::vector<int>& unknowns : std::exchange(breaks_, {}))
     if (kept_.at_hand()) kept_.follow(*present_, unknowns);
   return kept_.at_hand() && !kept_.is_due();
@@ -204,7 +233,7 @@ Vector TangentSolver::solve(const Vector& b, double accuracy) {
   const SparseMatrix& A = *std::exchange(present_, nullptr);
   drop_kept();
   if (factor_.factor_definite(A)) {
-    kept_.begin(A);
+    keep(*present_body_);
     return factor_.solve(b);
   }
   lost_ = !any_signs_ || !factor_.factor_indefinite(A);

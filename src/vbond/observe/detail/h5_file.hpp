@@ -47,6 +47,9 @@ class H5Writer {
     must(H5Pset_fill_time(no_times_.get(), H5D_FILL_TIME_NEVER));
   }
 
+  /// Paths are within this group from now on; "": all of the file.
+  void go_into(const std::string& group) { group_ = group; }
+
   template <class T>
   void operator()(const DataSet& set, const T& value) {
     std::array<typename Stored<T>::Number, Stored<T>::count> numbers;
@@ -101,8 +104,8 @@ class H5Writer {
   /// An empty data set with its attributes.
   template <class N>
   H5Handle make(const DataSet& of, const H5Handle& space) {
-    H5Handle set(H5Dcreate2(file_.get(), of.path.c_str(), file_type<N>(), space.get(), make_groups_.get(),
-                            no_times_.get(), H5P_DEFAULT),
+    H5Handle set(H5Dcreate2(file_.get(), (group_ + of.path).c_str(), file_type<N>(), space.get(),
+                            make_groups_.get(), no_times_.get(), H5P_DEFAULT),
                  H5Dclose);
     must(set.get());
     write_text(set, "unit", of.unit.in(units_));
@@ -122,6 +125,7 @@ class H5Writer {
   }
 
   UnitSystem units_;
+  std::string group_;
   H5Stream stream_;
   H5Handle file_, make_groups_, no_times_;
 };
@@ -135,6 +139,8 @@ class H5Reader {
       : file_(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose) {
     if (!file_) throw IoError("is damaged: HDF5 cannot open it");
   }
+  /// As H5Writer::go_into().
+  void go_into(const std::string& group) { group_ = group; }
 
   /// Of several numbers the file may have fewer: those that came later stand at the end.
   template <class T>
@@ -170,7 +176,10 @@ class H5Reader {
     }
   }
 
-  bool has(const std::string& path) const { return H5Lexists(file_.get(), path.c_str(), H5P_DEFAULT) > 0; }
+  /// The group that it is in is there.
+  bool has(const std::string& path) const {
+    return H5Lexists(file_.get(), (group_ + path).c_str(), H5P_DEFAULT) > 0;
+  }
 
   /// Length of a column of bytes per row at least, so that a forged length cannot ask for more memory
   /// than the file has data.
@@ -186,8 +195,8 @@ class H5Reader {
     throw IoError(fmt::format("is damaged: {} is missing or not as expected", path));
   }
   H5Handle open(const std::string& path) {
-    H5Handle set(H5Dopen2(file_.get(), path.c_str(), H5P_DEFAULT), H5Dclose);
-    if (!set) damaged(path);
+    H5Handle set(H5Dopen2(file_.get(), (group_ + path).c_str(), H5P_DEFAULT), H5Dclose);
+    if (!set) damaged(group_ + path);
     return set;
   }
   static std::vector<hsize_t> size_of(const H5Handle& set) {
@@ -216,6 +225,7 @@ class H5Reader {
   }
 
   H5Handle file_;
+  std::string group_;
 };
 
 }  // namespace vbond

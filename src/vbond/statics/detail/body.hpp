@@ -110,6 +110,20 @@ class StaticBody {
   void accept();
   /// From now on what is out of balance at this moment fades in proportion to 1 - load factor.
   void relieve();
+  /// Pairs that the tangent has room for.
+  const std::vector<Assembly::Pair>& pattern() const { return pattern_; }
+  /// Of a body that flows: what bonds remembered at the accepted balance before this one.
+  const PerBond<BondHistory>& remembered_before() const { return accepted_before_; }
+  /// What the tangent at hand was summed up with instead, before the body was accepted; empty: nothing else.
+  const PerBond<BondHistory>& remembered_of_tangent() const { return of_tangent_; }
+  /// Sums up the tangent with that, if there is any.
+  void take_tangent_of(PerBond<BondHistory> remembered);
+  /// A body as it was made, on the way to where it was stopped: the tangent has this room.
+  void make_room_for(std::vector<Assembly::Pair> pairs, bool flows);
+  /// Of such a body, which does not flow: more bonds have broken, and it stands here.
+  void stand_as_then(const Placement& at, const std::vector<BondId>& broken);
+  /// Of such a body: where it was stopped, at an accepted balance, to the last bit.
+  void go_on_from(State now, double load_factor, std::int64_t breaks, PerBond<BondHistory> remembered_before);
   /// Whether some of that is still there.
   bool is_relieved() const { return relief_.size() > 0 && load_factor_ < 1.0; }
 
@@ -201,6 +215,7 @@ class StaticBody {
   /// first supports.
   std::vector<Quatd> turns_of_grips() const;
   void set_turns_before(const std::vector<Quatd>& turns);
+  std::vector<Quatd> turns_before() const;
   /// What a term cannot go on with here, e.g. a particle whose centre has come through a wall.
   std::optional<std::string> fault_of_terms() const;
   /// Loads at this load factor, on the free unknowns.  [force]
@@ -209,6 +224,8 @@ class StaticBody {
   Vector applied_loads_alone(double load_factor) const { return on_unknowns(applied_loads(load_factor)); }
   /// The bond is there no more.
   void break_bond(BondId k, BreakMode mode);
+  /// How many bonds that was done to.
+  std::int64_t breaks() const { return breaks_; }
   /// What rounding may make of it.  [energy]
   double rounding_of_potential() const {
     return rounding_of_potential_ + (terms_.all().empty() ? 0.0 : loads_at_hand().rounding_of_potential);
@@ -261,6 +278,7 @@ class StaticBody {
   void add_applied(double load_factor, Loads& loads) const;
   Loads applied_loads(double load_factor) const;
   void lay_out() const;
+  void lay_out_for(std::vector<Assembly::Pair> pairs) const;
   void clear_stiffness() const;
   void begin_load_direction() const;
   void add_pair(ParticleId i, ParticleId j, const Image& of_j, const Assembly::Block& d) const;
@@ -318,9 +336,12 @@ class StaticBody {
   PerParticle<char> bonded_;
   // of bodies that flow: what bonds remembered at the last accepted balance, and at the one before it
   PerBond<BondHistory> accepted_, accepted_before_;
+  PerBond<BondHistory> of_tangent_;  // remembered_of_tangent()
   Placement accepted_at_;
   bool flows_ = false, at_accepted_ = false;
-  PerParticle<Movement> held_rate_;  // of held degrees of freedom per load factor
+  std::int64_t breaks_ = 0;
+  mutable std::vector<Assembly::Pair> pattern_;  // lay_out()
+  PerParticle<Movement> held_rate_;              // of held degrees of freedom per load factor
   double rounding_of_force_ = 0, rounding_of_potential_ = 0;
   mutable TouchingList touching_;
   mutable std::optional<Loaded> loaded_;

@@ -5,6 +5,7 @@
 
 #include "vbond/statics/detail/kinds.hpp"
 #include "vbond/statics/detail/work.hpp"
+#include "vbond/statics/fracture_under_way.hpp"
 
 namespace vbond {
 
@@ -20,6 +21,12 @@ class BreakingBody {
  public:
   BreakingBody(const Model& model, const StaticStage& stage, State balanced, const StaticHooks& hooks,
                StaticResult& result);
+  /// Where such a body was stopped, whose state this is. Throws NoEquilibrium if the stage is not that of
+  /// then.
+  BreakingBody(const Model& model, const StaticStage& stage, State now, const FractureUnderWay& then,
+               const StaticHooks& hooks, StaticResult& result);
+  /// All that the last needs.
+  void note(FractureUnderWay& now) const;
 
   StaticBody& body() { return *body_; }
   State take_state() && { return std::move(*body_).take_state(); }
@@ -77,6 +84,9 @@ class BreakingBody {
  private:
   bool may_be_stable() const;
   void begin(State state, double load_factor);
+  void hold(const HeldPart& part);
+  void go_on_with_kept_factor(const FractureUnderWay& then);
+  void refuse_another_stage(const FractureUnderWay& then) const;
   double reaction(const Support& s) const;
   double reaction(const WallDrive& d) const;
   std::optional<double> stress_of_cell(CellComponent::By by) const;
@@ -88,6 +98,9 @@ class BreakingBody {
   const StaticHooks& hooks_;
   StaticResult& result_;
   std::unique_ptr<StaticStage> stage_;  // with the supports that hold free parts
+  std::vector<HeldPart> held_;          // those
+  std::shared_ptr<const State> begun_;  // as body_ was made
+  double begun_at_ = 0;                 // load factor then
   std::unique_ptr<StaticBody> body_;
   std::unique_ptr<TangentSolver> solver_;
   int factors_before_ = 0;  // of former solvers

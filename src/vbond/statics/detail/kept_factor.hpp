@@ -7,6 +7,7 @@
 #include "vbond/statics/detail/factor.hpp"
 #include "vbond/statics/detail/gradients.hpp"
 #include "vbond/statics/detail/matrix.hpp"
+#include "vbond/statics/fracture_under_way.hpp"
 
 namespace vbond {
 
@@ -33,6 +34,12 @@ class KeptFactor {
 
   /// The factor has just been made, of this matrix.
   void begin(const SparseMatrix& A);
+  /// What it has come to since then: all but where the body stood then.
+  KeptFactorUnderWay under_way() const;
+  /// The factor has just been made anew of the matrix of then: all that it has come to since, to the last
+  /// bit. False if it cannot be of that matrix.
+  bool go_on_from(const SparseMatrix& A, const KeptFactorUnderWay& then);
+  void draw_on_from(const std::mt19937_64& random) { random_ = random; }
   void drop();
   bool at_hand() const { return at_hand_; }
   /// A new factor would be the cheaper way on: since the last proof as many solutions were needed as one
@@ -65,7 +72,9 @@ class KeptFactor {
     DenseMatrix Q;      // those rows
     DenseMatrix Z;      // M^-1 Q
     DenseMatrix inner;  // (diag(values)^-1 + Q^T M^-1 Q)^-1
+    DenseMatrix given;  // the change that it is of
   };
+  void follow(const std::vector<int>& unknowns, DenseMatrix change);
   std::optional<DenseMatrix> gradients(const SparseMatrix& A, const DenseMatrix& B, const DenseMatrix& X,
                                        const std::vector<Enough>& enough, std::vector<GradientsMade>* made);
   bool single_is_near();
@@ -86,7 +95,7 @@ class KeptFactor {
   std::vector<Change> changes_;  // in their order
   double kappa_ = 0;
   bool at_hand_ = false;
-  std::mt19937_64 random_;
+  std::mt19937_64 random_, random_as_made_;
   int proofs_ = 0;                   // since the factor was made
   double price_ = 1;                 // of one solution, in those with the factor alone
   double spent_ = 0, in_cycle_ = 0;  // such solutions since the factor was made; since the last proof

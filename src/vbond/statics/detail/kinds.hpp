@@ -4,6 +4,7 @@
 #include <string>
 
 #include "vbond/statics/detail/newton.hpp"
+#include "vbond/statics/fracture_under_way.hpp"
 #include "vbond/statics/statics.hpp"
 
 /// The kinds of static stages, one file each; run_static_stage() chooses among them. This header also has
@@ -39,9 +40,10 @@ bool any_bond_beyond_its_law(const State& state);
 StaticOutcome find_modes(const Model& model, const StaticStage& stage, State state, const StaticHooks& hooks);
 
 // In fracture.cpp:
-/// Breaks bonds one by one, each where the balance along the load factor brings it to its strength.
+/// Breaks bonds one by one, each where the balance along the load factor brings it to its strength. then: the
+/// stage goes on in this state; null: it begins.
 StaticOutcome break_at_rest(const Model& model, const StaticStage& stage, State state,
-                            const StaticHooks& hooks);
+                            const StaticHooks& hooks, const FractureUnderWay* then);
 
 // In kinds.cpp:
 /// Two utilisations no further apart than this part of them are taken as equal: a balance is exact to some
@@ -80,6 +82,13 @@ void refuse_rigid_motions(const StaticBody& body);
 StaticStage with_floating_held(const Model& model, const StaticStage& stage, const State& state,
                                const StaticHooks& hooks);
 
+/// What with_floating_held() has added.
+std::vector<HeldPart> floating_held(const StaticStage& stage);
+/// The stage with that, of all that it held.
+StaticStage with_held(const StaticStage& stage, const std::vector<HeldPart>& parts);
+/// The support that holds this, where it is not that of a grip.
+Support support_of(const HeldPart& part);
+
 /// The stage without what with_floating_held() has added.
 StaticStage without_floating_held(StaticStage stage);
 
@@ -95,20 +104,27 @@ void tell_of_pressure(const StaticBody& body, const StaticHooks& hooks);
 /// potential.
 void refuse_pressure_without_energy(const StaticBody& body);
 
+/// The balance as others see it. Keeps a reference.
+StaticPoint point_at(StaticBody& body, PointKind kind, std::optional<int> unstable,
+                     const StaticResult& result);
+
 /// Adds one to the clock, counts the point and hands this balance to hooks.point. Throws NoEquilibrium
 /// instead if it is not finite.
 void report_point(StaticBody& body, PointKind kind, std::optional<int> unstable, const StaticHooks& hooks,
                   StaticResult& result);
 
-/// What a stage does that begins at the balance of its constant loads; returns the state it leaves.
+/// What a stage does that begins at a balance; returns the state it leaves.
 using RunFromBalance = std::function<State(State balanced, StaticResult& result)>;
 
 /// The exception that is being handled as NoEquilibrium of this stage: that itself, a solver that does not
 /// converge, memory that ran out. Throws any other on. To be called in a catch block.
 NoEquilibrium current_failure(const StaticStage& stage);
 
-/// Runs that. What it had found when it failed is kept: StaticStageFailed.
+/// Runs that from the balance of constant loads. What it had found when it failed is kept: StaticStageFailed.
 StaticOutcome run_from_constant_loads(const Model& model, const StaticStage& stage, State state,
                                       const StaticHooks& hooks, const RunFromBalance& run);
+/// The same from this balance, where it has found so much already.
+StaticOutcome run_from_balance(const StaticStage& stage, State balanced, StaticResult found,
+                               const RunFromBalance& run);
 
 }  // namespace vbond

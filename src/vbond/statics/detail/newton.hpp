@@ -66,6 +66,11 @@ class TangentSolver {
   bool has_kept() const { return kept_.at_hand(); }
   /// No kept factor until another is made.
   void drop_kept();
+  /// The kept factor, as it can be made again.
+  KeptFactorUnderWay kept_under_way() const;
+  /// Makes it again, if there was one, with this body, which then stands where it stood as the factor was
+  /// made. broken: bonds that had broken by then, since the body was made.
+  void go_on_with_kept(StaticBody& body, const KeptFactorUnderWay& then, const std::vector<BondId>& broken);
 
   /// Whether full_tangent() has factors of its own: where outside moments act, but not by multigrid.
   bool factors_full(const StaticBody& body) const { return !multigrid_ && body.has_moment_part(); }
@@ -113,6 +118,7 @@ class TangentSolver {
   static constexpr double full_accuracy = 1e-12;
   std::optional<int> counted_by_multigrid(const StaticBody& body);
   bool kept_for(const StaticBody& body);
+  void keep(const StaticBody& body);
   bool may_keep() const;
   Vector solve_by_iteration(const StaticBody& body, const Vector& b);
 
@@ -128,8 +134,10 @@ class TangentSolver {
   KeptFactor kept_{factor_};
   std::vector<std::vector<int>> breaks_;   // that the kept factor does not know yet
   const SparseMatrix* present_ = nullptr;  // the tangent, where the kept factor is used
-  bool any_signs_ = false;                 // it need not be definite
-  bool lost_ = false;                      // it turned out not to be what was asked for
+  const StaticBody* present_body_ = nullptr;
+  std::shared_ptr<const KeptFactorUnderWay::Place> kept_of_;  // where the body of the kept factor stood
+  bool any_signs_ = false;                                    // it need not be definite
+  bool lost_ = false;                                         // it turned out not to be what was asked for
 };
 
 /// A predicted step along the load factor turns bonds by no more than this.  [rad]

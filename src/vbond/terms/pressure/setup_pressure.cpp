@@ -337,8 +337,14 @@ void PressureTerm::resolve(const StageResolver& resolver, StagePart<PressureTerm
 }
 
 void PressureTerm::complete(const StageResolver& resolver, const State& state, StagePart<PressureTerm>& to) {
-  for (std::size_t k = 0; k < to.pressures.size(); ++k)
-    to.pressures[k].facets = FacetFinder(resolver, state, resolver.spec.pressures[k]).find();
+  for (std::size_t k = 0; k < to.pressures.size(); ++k) {
+    std::vector<Facet>& facets = to.pressures[k].facets;
+    facets.clear();
+    if (state.clock.stage_step != 0)  // under way: those that it began with
+      for (const PressedFacet& f : state.pressed)
+        if (f.pressure == k) facets.push_back(f.facet());
+    if (facets.empty()) facets = FacetFinder(resolver, state, resolver.spec.pressures[k]).find();
+  }
 }
 
 }  // namespace vbond
