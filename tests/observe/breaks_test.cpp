@@ -213,7 +213,7 @@ Chain chain_in_cell(const std::vector<double>& x, const std::vector<std::int32_t
   return chain;
 }
 FragmentMotion motion_of(const Chain& chain) {
-  return vbond::motion_of(find_fragments(chain.model, chain.state.bonds), chain.model, chain.state);
+  return vbond::motion_of(find_fragments(chain.model, chain.state), chain.model, chain.state);
 }
 
 // In a periodic cell a fragment is what its bonds join, wherever its particles stand, and moves with its

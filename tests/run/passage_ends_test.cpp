@@ -3,6 +3,7 @@
 
 #include <string>
 #include <utility>
+#include <utility>
 #include <vector>
 
 #include "vbond/case/read.hpp"
@@ -114,7 +115,9 @@ std::string told_at_end(const std::string& more) {
   const Made made(grain + "[[source]]\nspecimen = \"grain\"\ncount = 20\n" + more);
   vbond::Run run = made.run();
   std::string told;
-  run.set_hooks({{}, [&told](const std::string& line) { told += line + "\n"; }, {}, {}, {}});
+  RunHooks hooks;
+  hooks.tell = [&told](const std::string& line) { told += line + "\n"; };
+  run.set_hooks(std::move(hooks));
   run.run();
   return told;
 }

@@ -49,7 +49,7 @@ Tensor cell_velocity_gradient(const CellEdges& cell) {
   return from_edges({cell[0].rate, cell[1].rate, cell[2].rate}, edges_of(cell));
 }
 
-double kinetic_energy_beside_cell(const Model& model, const State& state) {
+double kinetic_energy_beside_flow(const Model& model, const State& state) {
   double energy = kinetic_energy(model, state);
   if (state.cell.empty()) return energy;
   const Tensor L = cell_velocity_gradient(state.cell);

@@ -22,7 +22,7 @@ Tensor cell_gradient(const CellShape& shape, const CellEdges& cell);
 Tensor cell_velocity_gradient(const CellEdges& cell);
 
 /// Of what particles move beside the flow of the cell, as the books have it.  [energy]
-double kinetic_energy_beside_cell(const Model& model, const State& state);
+double kinetic_energy_beside_flow(const Model& model, const State& state);
 
 /// The stress of the body: V stress = sum of F_i (x) r_ij over pairs, less the momentum that the particles'
 /// own velocities carry, the sum of m c (x) c; tension > 0. Elastic forces and friction, no damping of bonds.

@@ -301,12 +301,12 @@ void Run::change_motion(PerParticle<Vec3d> v, PerParticle<Vec3d> omega) {
     constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
     for (GripState& g : state_.grips) g.velocity = {unknown, unknown, unknown};
   }
-  const double before = kinetic_energy_beside_cell(model_, state_);
+  const double before = kinetic_energy_beside_flow(model_, state_);
   for (const ParticleId p : absent(state_)) v[p] = state_.v[p], omega[p] = state_.omega[p];
   state_.v = std::move(v);
   state_.omega = std::move(omega);
   if (state_.clock.step > 0) {  // else the books are opened as the run begins
-    const double change = kinetic_energy_beside_cell(model_, state_) - before;
+    const double change = kinetic_energy_beside_flow(model_, state_) - before;
     state_.books.work_loads += change;
     books_before_.work_loads += change;
   }
