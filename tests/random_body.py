@@ -97,7 +97,7 @@ def random_case(rng):
         text += '[[wall]]\nname = "floor"\nshape = "plane"\npoint = [0, 0, -0.7]\nnormal = [0, 0, 1]\n'
     for name in names:
         text += (f'[[velocities]]\ngroup = "{name}"\nkind = "rigid"\nvelocity = {vector(rng, 0.1)}\n'
-                 f"angular_velocity = {vector(rng, 0.08)}\n")
+                 f"angular_velocity = {vector(rng, 0.08) if not periodic else [0, 0, 0]}\n")  # faces cut what turns
     text += f'[[velocities]]\ngroup = "all"\nkind = "gaussian"\nmagnitude = 1e-3\nseed = {rng.randint(1, 999)}\n'
     text += '[time]\nfraction = 0.1\n'
     text += "".join(stage(rng, f"stage_{k}", names, walled, opened) for k in range(rng.randint(1, 2)))

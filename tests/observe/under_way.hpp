@@ -24,6 +24,7 @@ inline FractureUnderWay under_way_of(State& s) {
   u.held = {{ParticleId{0}, 3, HeldPart::Why::came_off, false, HeldAxes{}},
             {ParticleId{2}, 1, HeldPart::Why::floats}};
   u.turned_at_start = {rotation_of({0, 0, 1})};
+  u.turns_of_grips = {rotation_of({0, 1, 0})};
   u.begun = std::make_shared<const State>(s);
   std::vector<std::pair<ParticleId, ParticleId>> pairs;
   for (const Bond& bond : s.bonds) pairs.emplace_back(bond.i, bond.j);
