@@ -3,7 +3,6 @@
 
 #include <string>
 #include <utility>
-#include <utility>
 #include <vector>
 
 #include "vbond/case/read.hpp"

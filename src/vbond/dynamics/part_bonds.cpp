@@ -145,9 +145,12 @@ void take_up_bonds(const State& whole, std::size_t first, const Order& order, St
       [&order](const Bond& b) { return order.has(b.i); }, order, state, bonds, shared);
 }
 
-State with_all_bonds(const State& state, const PartBonds& part, const SharedByBonds& shared,
+State with_all_bonds(State& state, const PartBonds& part, const SharedByBonds& shared,
                      const Exchange& exchange) {
-  State whole = state;
+  BondsOfState own{std::exchange(state.bonds, {}), std::exchange(state.bond_history, {}),
+                   std::exchange(state.warm_bonds, {})};
+  State whole = state;  // without a copy of these, which would be the largest part of it
+  own.give_back(state);
   std::array<double, 2> sums{static_cast<double>(state.bonds.size()), state.bond_history.empty() ? 0.0 : 1.0};
   exchange.sum(sums);
   const auto bonds = static_cast<std::size_t>(sums[0]);
@@ -167,8 +170,9 @@ State with_all_bonds(const State& state, const PartBonds& part, const SharedByBo
           return Memory{part.names[k], history_of_bond(state, k)};
         },
         [&](const Memory& m) { whole.bond_history[m.name] = m.history; });
-  for (WarmBond& w : whole.warm_bonds) w.bond = part.names[w.bond];
-  whole.warm_bonds = exchange.gather(whole.warm_bonds);
+  std::vector<WarmBond> warm = state.warm_bonds;
+  for (WarmBond& w : warm) w.bond = part.names[w.bond];
+  whole.warm_bonds = exchange.gather(warm);
   std::sort(whole.warm_bonds.begin(), whole.warm_bonds.end(),
             [](const WarmBond& a, const WarmBond& b) { return a.bond < b.bond; });
   return whole;

@@ -39,7 +39,7 @@ void take_up_bonds(const State& whole, std::size_t first, const Order& order, St
 
 /// A copy of the state with the bonds of all parts, which call this together. They send each other some at a
 /// time, in the order of their numbers in the whole body.
-State with_all_bonds(const State& state, const PartBonds& bonds, const SharedByBonds& shared,
+State with_all_bonds(State& state, const PartBonds& bonds, const SharedByBonds& shared,
                      const Exchange& exchange);
 
 }  // namespace vbond
