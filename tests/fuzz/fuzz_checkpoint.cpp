@@ -10,8 +10,6 @@ namespace {
 
 using namespace vbond;
 
-constexpr std::int32_t format = 2;
-
 const fuzz::SmallBody& body() {
   static const fuzz::SmallBody made;
   return made;
@@ -23,7 +21,7 @@ const fuzz::SmallBody& body() {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto file = fuzz::put(fuzz::folder() / "forged.h5",
                               std::string(seal_size, '\0').append(reinterpret_cast<const char*>(data), size));
-  write_seal(file, format, "fuzz");
+  write_seal(file, newest_checkpoint_format, "fuzz");
   try {
     read_checkpoint(file, body().model);
   } catch (const IoError&) {

@@ -19,7 +19,7 @@ namespace {
 
 // Within a stage of fracture the state alone would be that of another run: a program that knows only the
 // older format must not go on from it.
-constexpr std::int32_t format_version = 4, format_within_fracture = 5;
+constexpr std::int32_t format_version = 4, format_within_fracture = newest_checkpoint_format;
 
 void check_fingerprint(H5Reader& reader, const Model& model) {
   const std::size_t n = reader.rows("/model/mass");

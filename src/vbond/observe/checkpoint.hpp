@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <span>
@@ -9,6 +10,9 @@
 #include "vbond/observe/watch.hpp"
 
 namespace vbond {
+
+/// The newest format of a checkpoint: of one within a stage of fracture.
+inline constexpr std::int32_t newest_checkpoint_format = 5;
 
 struct FractureUnderWay;
 
