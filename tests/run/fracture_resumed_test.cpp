@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "campaigns/case_text.hpp"
 #include "campaigns/dice.hpp"
 #include "campaigns/judge.hpp"
 #include "temporary_folder.hpp"
@@ -22,15 +23,9 @@ namespace vbond::fracture_resumed {
 namespace {
 
 using testing::Dice;
+using testing::number;
+using testing::vector;
 
-std::string number(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.17g", x);
-  return text;
-}
-std::string vector(const Vec3d& x) {
-  return "[" + number(x.x) + ", " + number(x.y) + ", " + number(x.z) + "]";
-}
 std::string list(const std::vector<std::string>& all) {
   std::string text = "[";
   for (const std::string& one : all) text += (text.size() > 1 ? ", " : "") + one;

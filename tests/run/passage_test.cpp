@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "campaigns/case_text.hpp"
 #include "campaigns/dice.hpp"
 #include "campaigns/judge.hpp"
 #include "temporary_folder.hpp"
@@ -21,15 +22,8 @@ namespace vbond::passage_test {
 namespace {
 
 using testing::Dice;
-
-std::string number(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.17g", x);
-  return text;
-}
-std::string vector(const Vec3d& x) {
-  return "[" + number(x.x) + ", " + number(x.y) + ", " + number(x.z) + "]";
-}
+using testing::number;
+using testing::vector;
 
 /// Of one grain, and of a bonded tetrahedron.
 const std::string bodies =

@@ -193,6 +193,20 @@ TEST(Run, NewVelocitiesOfAClumpAreItsMotion) {
   }
 }
 
+// What is driven goes on as it is told, with the same state as without.
+TEST(Run, NewVelocitiesLeaveADrivenGroupOnItsWay) {
+  const Specimen s = testing::straight_rod(5);
+  Stage stage = testing::plain_stage(0.05, 4.0);
+  stage.supports = {testing::held({ParticleId{0}, ParticleId{1}}, all_held, {0.01, 0, 0})};
+  stage.supports[0].rigid = true, stage.supports[0].angular_velocity = {0, 0, 0.1};
+  vbond::Run whole(s.model, s.state, {stage}), run(s.model, s.state, {stage});
+  whole.step(40);
+  run.step(20);
+  run.set_velocities(run.state().v, run.state().omega);
+  run.step(20);
+  EXPECT_TRUE(run.state() == whole.state());
+}
+
 // The books have what particles move beside the flow of the cell.
 TEST(Run, NewVelocitiesInACellThatMovesAreBookedAsWork) {
   Specimen s = testing::straight_rod(5);

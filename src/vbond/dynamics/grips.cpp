@@ -129,8 +129,9 @@ void Grips::read(const State& state, bool begun) {
     }
     if (!kept || !stands_at(grip, place_of(grip, s), state))
       take_hold(grip, s, state);
-    else if (!is_finite(grip.state.velocity))
+    else if (grip.free && !is_finite(grip.state.velocity))
       find_motion(grip, place_of(grip, s).pivot);
+    if (!grip.free) grip.state.velocity = {};  // of a driven one there is nothing to find
   }
 }
 
