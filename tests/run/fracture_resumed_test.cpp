@@ -293,20 +293,20 @@ testing::Verdict judge(unsigned seed, bool large, testing::Tally& tally) {
 
 TEST(FractureResumedCampaign, LeavesTheSameBits) {
   const testing::Tally tally = testing::campaign(
-      "fracture resumed", 60, [](unsigned seed, testing::Tally& t) { return judge(seed, false, t); });
+      "fracture resumed", 20, [](unsigned seed, testing::Tally& t) { return judge(seed, false, t); });
   if (!tally.full) return;
-  for (const char* what : {"stops within", "going down", "with parts that came off", "that flow"})
+  for (const char* what : {"stops within", "with parts that came off", "that flow"})
     EXPECT_GT(tally.sum(what), 0) << what;
-  EXPECT_LT(tally["refused"], 20u);
+  EXPECT_LT(tally["refused"], 7u);
 }
 
 // Bodies so large that a factor of the tangent is kept over breaks.
 TEST(FractureResumedCampaign, LeavesTheSameBitsWithAKeptFactor) {
   const testing::Tally tally =
-      testing::campaign("fracture resumed with a kept factor", 3,
+      testing::campaign("fracture resumed with a kept factor", 1,
                         [](unsigned seed, testing::Tally& t) { return judge(seed, true, t); });
   if (!tally.full) return;
-  EXPECT_GT(tally.sum("with a kept factor"), 0);
+  for (const char* what : {"with a kept factor", "going down"}) EXPECT_GT(tally.sum(what), 0) << what;
 }
 
 }  // namespace
