@@ -57,6 +57,7 @@ Checkpoint busy_checkpoint(Chain& chain) {
       {{1, 2, 3}, 0.5, 0.25, 1, {}, {1, 0, 0, 0}, {}, {}},
       {{4, 5, 6}, 1.5, 0.75, 1, {7, 8, 9}, rotation_of({0, 0, 1}), {1, 2, 0}, {0, 3, 1}, 0.5}};
   chain.state.gripped = {{{0.1, 0.2, 0.3}, rotation_of({0.1, 0, 0})}, {{-1, 0, 1}, rotation_of({0, 0.2, 1})}};
+  chain.state.carried = {{ParticleId{0}, 2}, {ParticleId{2}, 1}};
   chain.state.pressed = {{0, ParticleId{0}, ParticleId{1}, ParticleId{2}, {0.1, -1, 2}, {}},
                          {1, ParticleId{2}, ParticleId{0}, ParticleId{2}, {3, 0, 0.7}, {0.2, 0.1, 0}}};
   chain.state.bonds[BondId{0}].capsule = 0.3;

@@ -9,6 +9,7 @@
 #include "vbond/dynamics/simulation.hpp"
 #include "vbond/model/bond_sums.hpp"
 #include "vbond/model/mistakes.hpp"
+#include "vbond/model/rigid_bodies.hpp"
 #include "vbond/model/state_table.hpp"
 #include "vbond/terms/heat/heat.hpp"
 
@@ -32,6 +33,12 @@ const Model& consistent(const Model& model, const Stage& stage, const State& sta
   return model;
 }
 
+/// The state, with the rigid bodies of the stage.
+State held_by(const Model& model, const Stage& stage, State* state) {
+  take_hold(model, stage.supports, *state);
+  return std::move(*state);
+}
+
 }  // namespace
 
 void require_able_to_begin(const Model& model, const Stage& stage, const State& state) {
@@ -53,7 +60,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
                        Exchange* exchange)
     : model_(consistent(model, stage, *state, exchange != nullptr)),
       stage_(std::move(stage)),
-      state_(std::move(*state)),
+      state_(held_by(model, stage_, state)),
       booked_(state_.books),
       is_part_(exchange != nullptr),
       bodies_(model, std::move(share.order)),
@@ -62,7 +69,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
       team_(bodies_.order.own, work_of_blocks(model, bodies_, state_.bonds), is_part_ ? 1 : threads),
       contacts_(model, bodies_.order, bond_index_, step_kernel(), stage_.supports),
       capsules_(model, stage_, bodies_, state_.cell),
-      encounters_(model, bond_index_, exchange_),
+      encounters_(model, bond_index_, exchange_, stage_.supports),
       supports_(stage_, bodies_, team_),
       applied_(stage_, bodies_, team_),
       damping_(stage_, bodies_),
