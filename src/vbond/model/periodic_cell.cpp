@@ -64,15 +64,22 @@ Tensor cell_stress(const Model& model, const BodyPart& body) {
   const State& s = body.state;
   Tensor sum;
   for (const Tensor& t : stress_between_particles(model, body)) sum += transposed(t);
-  if (!s.v.empty()) {
-    const Tensor L = cell_velocity_gradient(s.cell);
-    for (const ParticleId p : s.v.ids()) {
-      if (!body.has(p)) continue;
-      const Vec3d own = s.v[p] - times(L, s.r[p]);
-      sum += dyad(-model.mass[p] * own, own);
-    }
+  if (s.v.empty()) return (1.0 / volume(s.cell)) * body.summed(sum);
+  const Tensor L = cell_velocity_gradient(s.cell);
+  Vec3d momentum;
+  double mass = 0.0;
+  for (const ParticleId p : s.v.ids()) {
+    if (!body.has(p) || is_absent(s, p)) continue;
+    const Vec3d own = s.v[p] - times(L, s.r[p]), carried = model.mass[p] * own;
+    sum += dyad(-carried, own);
+    momentum += carried;
+    mass += model.mass[p];
   }
-  return (1.0 / volume(s.cell)) * body.summed(sum);
+  momentum = body.summed(momentum);
+  body.all.sum({&mass, 1});
+  sum = body.summed(sum);
+  if (mass > 0.0) sum += dyad(momentum / mass, momentum);  // a drift through the cell is no stress
+  return (1.0 / volume(s.cell)) * sum;
 }
 
 std::vector<std::string> stresses_not_reached(const CellDrive& drive, const State& s, double time) {

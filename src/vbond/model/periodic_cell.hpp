@@ -25,8 +25,9 @@ Tensor cell_velocity_gradient(const CellEdges& cell);
 double kinetic_energy_beside_flow(const Model& model, const State& state);
 
 /// The stress of the body: V stress = sum of F_i (x) r_ij over pairs, less the momentum that the particles'
-/// own velocities carry, the sum of m c (x) c; tension > 0. Elastic forces and friction, no damping of bonds.
-/// Symmetric but for moments on particles that are out of balance.  [force/length^2]
+/// own velocities carry beyond their mean by mass, the sum of m (c - C) (x) (c - C); tension > 0. Elastic
+/// forces and friction, no damping of bonds. Symmetric but for moments on particles that are out of balance.
+/// [force/length^2]
 Tensor cell_stress(const Model& model, const BodyPart& body);
 
 /// A sentence for each component whose stress is not what a stage of motion asks for at this time: off by
