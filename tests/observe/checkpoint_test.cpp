@@ -220,6 +220,23 @@ TEST(Checkpoint, OtherModelIsRefused) {
   expect_error(folder / "c.h5", moved, "first positions differ");
 }
 
+// Grains without bonds fit any cell: only its first edges tell.
+TEST(Checkpoint, OtherCellIsRefused) {
+  const Folder folder;
+  Chain chain;
+  chain.model.cell.edges = {Vec3d{9, 0, 0}, {1, 9, 0}, {0, 0, 9}};
+  chain.model.cell.periodic = {true, true, false};
+  chain.state.cell = cell_at_start(chain.model);
+  write_checkpoint(folder / "c.h5", chain.model, {chain.state, {}}, "1.2.3");
+  EXPECT_TRUE(read_checkpoint(folder / "c.h5", chain.model).state == chain.state);
+  Model wider = chain.model, closed = chain.model, triangular = chain.model;
+  wider.cell.edges[1].x = 1.1;
+  closed.cell.periodic[2] = true;
+  triangular.cell.triangular = true;
+  for (const Model& other : {wider, closed, triangular})
+    expect_error(folder / "c.h5", other, "its cells at the start differ");
+}
+
 TEST(Checkpoint, ImpossibleBondIsRefused) {
   const Folder folder;
   Chain chain;
