@@ -38,6 +38,10 @@ std::vector<std::string> stresses_not_reached(const CellDrive& drive, const Stat
 /// once too, while particles follow the cell and do not turn.  [force/length^2]
 double affine_modulus(const CellShape& shape, const State& state);
 
+/// The same of the stress that damping of bonds adds per rate of the components that a stress moves.
+/// [force/length^2*time]
+double affine_viscosity(const CellShape& shape, const State& state, const CellDrive& drive);
+
 /// Whether a surface is the same one edge further, for each edge that is periodic: planes along them, and
 /// endless cylinders around the only one.
 bool repeats_with_cell(const WallShape& shape, const CellShape& cell);
