@@ -1,5 +1,6 @@
 // How the simulation of a stage is set up, begins the stage, and knows its loads between steps.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -33,11 +34,24 @@ const Model& consistent(const Model& model, const Stage& stage, const State& sta
   return model;
 }
 
-/// The state, with the rigid bodies of the stage.
-State held_by(const Model& model, const Stage& stage, State* state) {
-  take_hold(model, stage.supports, *state);
-  return std::move(*state);
-}
+/// What take_hold() changes of a state, for a stage that cannot begin.
+struct BeforeHold {
+  explicit BeforeHold(const State& s)
+      : carried(s.carried),
+        contact_history(s.contact_history),
+        books(s.books),
+        loads{s.loads, s.damping, s.local_damping} {}
+  void put_back(State& s) && {
+    s.carried = std::move(carried);
+    s.contact_history = std::move(contact_history);
+    s.books = books;
+    s.loads = std::move(loads[0]), s.damping = std::move(loads[1]), s.local_damping = std::move(loads[2]);
+  }
+  std::vector<Carried> carried;
+  std::vector<PairMemory> contact_history;
+  EnergyBooks books;
+  std::array<Loads, 3> loads;
+};
 
 }  // namespace
 
@@ -60,7 +74,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
                        Exchange* exchange)
     : model_(consistent(model, stage, *state, exchange != nullptr)),
       stage_(std::move(stage)),
-      state_(held_by(model, stage_, state)),
+      state_(std::move(*state)),
       booked_(state_.books),
       is_part_(exchange != nullptr),
       bodies_(model, std::move(share.order)),
@@ -88,7 +102,13 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
   books_.resize(all_known().blocks());
   lost_.resize(all_known().blocks());
   std::optional<BondsOfState> of_whole;  // until the stage has begun
+  std::optional<BeforeHold> before_hold;
   try {
+    if (carried_by(stage_.supports) != state_.carried) {
+      before_hold.emplace(state_);
+      take_hold(model_, stage_.supports, state_);
+      booked_ = state_.books;
+    }
     if (is_part_ && exchange_.ranks() > 1 && !knows_all(model, stage_, state_))
       of_whole = keep_own_bonds(state_, bonded(), bodies_.order, part_bonds_, shared_);
     const bool begun = (is_part_ && !share.begins) || state_.clock.stage_step != 0;
@@ -116,6 +136,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
     if (of_whole) has_changed();  // it was whole
   } catch (...) {
     if (of_whole) of_whole->give_back(state_);
+    if (before_hold) std::move(*before_hold).put_back(state_);
     *state = std::move(state_);
     throw;
   }
