@@ -11,6 +11,7 @@
 #include "vbond/dynamics/contact_kernel.hpp"
 #include "vbond/dynamics/exchange.hpp"
 #include "vbond/model/model.hpp"
+#include "vbond/model/rigid_bodies.hpp"
 
 namespace vbond {
 
@@ -43,8 +44,9 @@ struct FastTurn {
 /// long as nothing is fast or deep; while something is fast, as much as a rebuild of the contact list.
 class Encounters {
  public:
-  /// Keeps references to all.
-  Encounters(const Model& model, const BondIndex& index, const Exchange& exchange = one_rank());
+  /// Keeps references to all but supports.
+  Encounters(const Model& model, const BondIndex& index, const Exchange& exchange = one_rank(),
+             const std::vector<Support>& supports = {});
   Encounters(const Model&&, const BondIndex&) = delete;
   Encounters(const Model&, const BondIndex&&) = delete;
 
@@ -81,7 +83,8 @@ class Encounters {
   const Model& model_;
   const BondIndex& index_;
   const Exchange& exchange_;
-  double limit_ = 0;  // of a particle's way in a step  [length]
+  const RigidBodies bodies_;  // nothing passes within one
+  double limit_ = 0;          // of a particle's way in a step  [length]
   std::vector<Encounter> found_;
   std::optional<FastParticle> fastest_;
   // Used in steps with fast particles only, kept for their memory.

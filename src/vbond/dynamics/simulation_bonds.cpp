@@ -102,6 +102,7 @@ void Simulation::take_up_loads() {
   const CellEdges cell = state_.cell;  // with what damping did to images in the half step before
   evaluate_loads();
   state_.cell = cell;
+  if (cell_.any()) cell_.look_at_drift(team_);
   if (state_.loads.F.size() == model_.particles()) bodies_.spread(state_.loads, bodies_.load);
   if (state_.damping.F.size() == model_.particles() && !bodies_.damping.empty())
     bodies_.spread(state_.damping, bodies_.damping);
