@@ -202,6 +202,22 @@ bool same(const StageResult& a, const StageResult& b) {
          a.statics == b.statics && a.failure == b.failure;
 }
 
+/// The first figures in which two results differ.
+std::string difference(const StageResult& a, const StageResult& b) {
+  if (!a.statics || !b.statics) return a.name + ": one is not at rest";
+  const StaticResult &x = *a.statics, &y = *b.statics;
+  const auto differ = [](const char* what, double one, double other) {
+    return one == other ? "" : ", " + std::string(what) + " " + number(one) + " and " + number(other);
+  };
+  return a.name + differ("factors", x.factors, y.factors) + differ("iterations", x.iterations, y.iterations) +
+         differ("work", x.fracture.books.work, y.fracture.books.work) +
+         differ("released", x.fracture.books.released, y.fracture.books.released) +
+         differ("peak", x.fracture.peak_load, y.fracture.peak_load) +
+         (x.residuals == y.residuals ? "" : ", residuals") +
+         (x.fracture.breaks == y.fracture.breaks ? "" : ", breaks") +
+         (x.solver == y.solver ? "" : ", solver");
+}
+
 std::string text_of(unsigned seed, bool large) {
   Dice dice(seed + 44'000'000);
   const Glue glue =
@@ -268,27 +284,29 @@ testing::Verdict judge(unsigned seed, bool large, testing::Tally& tally) {
   }
   if (stopped.results.size() != whole.results.size() ||
       !std::equal(whole.results.begin(), whole.results.end(), stopped.results.begin(), same))
-    return testing::wrong("other results");
+    return testing::wrong("other results: " + (stopped.results.size() == whole.results.size()
+                                                   ? difference(whole.results.back(), stopped.results.back())
+                                                   : "another number of stages"));
   if (!(stopped.state == whole.state)) return testing::wrong("another state");
   return {};
 }
 
 TEST(FractureResumedCampaign, LeavesTheSameBits) {
   const testing::Tally tally = testing::campaign(
-      "fracture resumed", 60, [](unsigned seed, testing::Tally& t) { return judge(seed, false, t); });
+      "fracture resumed", 20, [](unsigned seed, testing::Tally& t) { return judge(seed, false, t); });
   if (!tally.full) return;
-  for (const char* what : {"stops within", "going down", "with parts that came off", "that flow"})
+  for (const char* what : {"stops within", "with parts that came off", "that flow"})
     EXPECT_GT(tally.sum(what), 0) << what;
-  EXPECT_LT(tally["refused"], 20u);
+  EXPECT_LT(tally["refused"], 7u);
 }
 
 // Bodies so large that a factor of the tangent is kept over breaks.
 TEST(FractureResumedCampaign, LeavesTheSameBitsWithAKeptFactor) {
   const testing::Tally tally =
-      testing::campaign("fracture resumed with a kept factor", 3,
+      testing::campaign("fracture resumed with a kept factor", 1,
                         [](unsigned seed, testing::Tally& t) { return judge(seed, true, t); });
   if (!tally.full) return;
-  EXPECT_GT(tally.sum("with a kept factor"), 0);
+  for (const char* what : {"with a kept factor", "going down"}) EXPECT_GT(tally.sum(what), 0) << what;
 }
 
 }  // namespace

@@ -59,8 +59,8 @@ BreakingBody::BreakingBody(const Model& model, const StaticStage& stage, State n
   body_->take_tangent_of(then.remembered_of_tangent);
   if (n.unknowns > 0) prepare_solver();
   // CHOLMOD's first factor in columns after an analysis is L D L^T, taken to L L^T then, which later ones are
-  // at once: other last digits
-  if (n.unknowns > 0 && !solver_->has_kept()) solver_->factor_definite(*body_);
+  // at once: other last digits. Where none was made before, the first is still to come
+  if (n.unknowns > 0 && then.found.factors > 0 && !solver_->has_kept()) solver_->factor_definite(*body_);
   rate_ = Eigen::Map<const Vector>(then.rate.data(), static_cast<Eigen::Index>(then.rate.size()));
   if (n.stable) stable_at_ = body_->placement();
   if (n.open) unstable_.reset();
