@@ -311,7 +311,7 @@ TEST(Heat, IsTheSameBitsAfterAnyResumption) {
   const auto go_on = [&](State state, int steps) {
     Simulation run(s.model, stage, std::move(state));
     for (int k = 0; k < steps; ++k) run.step();
-    return std::move(run).take_state();
+    return std::move(run).handover().state;
   };
   const State whole = go_on(s.state, 100);
   EXPECT_NE(whole.bonds[BondId{0}].a, s.state.bonds[BondId{0}].a);

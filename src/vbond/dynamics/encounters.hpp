@@ -33,12 +33,6 @@ struct FastParticle {
   double limit;  ///< the longest way at which no pair can pass unseen  [length]
 };
 
-/// The particle that turns farthest in a step, of those that should not.
-struct FastTurn {
-  ParticleId p;
-  double angle;  ///< in this step  [rad]
-};
-
 /// Finds particles that pass through each other, which contact forces, evaluated once per step, may not see.
 /// What it finds depends on positions and velocities only, so a resumed run finds the same. Costs nothing as
 /// long as nothing is fast or deep; while something is fast, as much as a rebuild of the contact list.

@@ -99,6 +99,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
     with_ghosts_.emplace(team_, bodies_.order.known);
   else
     team_.give_images([this](const Part& p) { return images_.rows_of(p.first_block, p.last_block); });
+  times_.threads = static_cast<int>(team_.parts().size());
   books_.resize(all_known().blocks());
   lost_.resize(all_known().blocks());
   std::optional<BondsOfState> of_whole;  // until the stage has begun
@@ -110,7 +111,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
       booked_ = state_.books;
     }
     if (is_part_ && exchange_.ranks() > 1 && !knows_all(model, stage_, state_))
-      of_whole = keep_own_bonds(state_, bonded(), bodies_.order, part_bonds_, shared_);
+      of_whole = keep_own_bonds(state_, part(Show::bonds), bodies_.order, part_bonds_, shared_);
     const bool begun = (is_part_ && !share.begins) || state_.clock.stage_step != 0;
     if (!leads()) {  // parts add up
       booked_ = {.largest = booked_.largest};
@@ -150,7 +151,7 @@ void Simulation::begin_stage() {
   evaluate_loads();
   if (cell_.any()) cell_.look(team_);
   if (run_begins) {
-    const EnergyBooks opened = opened_books(bonded(), energies().total());
+    const EnergyBooks opened = opened_books(part(Show::bonds), energies().total());
     booked_ = leads() ? opened : EnergyBooks{.largest = opened.largest};
   }
   for (MotionTerm* t : terms_.all()) t->begin_stage();

@@ -52,7 +52,7 @@ void Simulation::arrange_bonds() {
 void Simulation::bonds_changed() {
   arrange_bonds();
   bond_index_ = BondIndex(bodies_.order, state_.bonds, part_bonds_);
-  rounding_scale_ = scale_of_rounding(bonded());
+  rounding_scale_ = scale_of_rounding(part(Show::bonds));
   contacts_.bonds_changed();
   capsules_.bonds_changed(state_.bonds);
   for (const Bond& b : state_.bonds)

@@ -123,7 +123,7 @@ Diverged passed(const Model& m, const Encounter& e, double nearest, const State&
 
 void Watch::look_at_overlaps(const BodyView& body, double part) {
   const Model& model = body.model();
-  look_at_overlaps(model, body.part(reach_of_overlaps(model)), part, when(body));
+  look_at_overlaps(model, body.part(Show::places, reach_of_overlaps(model)), part, when(body));
 }
 
 void Watch::look_at_overlaps(const Model& model, const BodyPart& body, double part, const std::string& when) {
