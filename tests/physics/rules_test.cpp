@@ -135,6 +135,29 @@ TEST(Strength, CompressionAndRigidMotionBreakNothing) {
     }
 }
 
+// Whatever the criterion: energies go as the square of loads, and their limits as the square of the factor.
+TEST(Strength, OfAWeakerBondIsReachedByLoadsSmallerByItsFactor) {
+  testing::PoseSource random(10);
+  for (const Strength& strength : every_criterion()) {
+    if (strength.criterion == Criterion::elongation) continue;  // looks at no load
+    for (int t = 0; t < 100; ++t) {
+      WithRules<VModel>::Law<double> law = testing::random_law<WithRules<VModel>::Law<double>>(random);
+      BondRules rules;
+      rules.strength = strength;
+      law.rules = &rules;
+      const BondPose<double> b = random.pair(law.a + law.R_i + law.R_j, 0.1 * law.a, 0.5).pose();
+      const BondAxis<double> axis = bond_axis(b, law.R_i, law.R_j);
+      const BondLoads<double> l = bond_loads(law, b, axis);
+      const double factor = random.uniform(0.2, 3.0);
+      law.weakness = 0.0;
+      const BondLoads<double> more{(1 / factor) * l.F, (1 / factor) * l.M_ij, (1 / factor) * l.M_ji};
+      const double by_loads = utilisation(law, b, axis, more);
+      law.weakness = 1 / factor - 1;
+      EXPECT_NEAR(utilisation(law, b, axis, l), by_loads, 1e-11 * std::abs(by_loads));
+    }
+  }
+}
+
 TEST(Strength, IsTheSameForEitherEndAndInEveryDirection) {
   testing::PoseSource random(9);
   for (const Strength& strength : every_criterion())

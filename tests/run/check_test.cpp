@@ -181,6 +181,23 @@ TEST_F(StaticCheck, IsSilentOfWhatIsNotKnownYet) {
                  {"stage \"loose\": parts of the body can move freely"});
 }
 
+// A bond through a face of the cell holds a pair that a later stage turns as one body: it may be broken then.
+TEST_F(StaticCheck, IsSilentOfTurnsThroughAFaceWhereTheBondMayBreakBefore) {
+  const auto pair = [](const std::string& strength) {
+    return "[cell]\na = [3, 0, 0]\nb = [0, 3, 0]\nc = [0, 0, 3]\n"
+           "[[specimen]]\nname = \"pair\"\nkind = \"list\"\npositions = [[0.2, 1, 1], [2.8, 1, 1]]\n"
+           "mass = 1\nradius = 0.1\n[[bonds]]\ndistance = 0.5\n" +
+           strength +
+           "stiffness = {c_A = 1, c_D = 1, c_B = 1, c_T = 1}\n"
+           "[[stage]]\nname = \"rest\"\nkind = \"equilibrium\"\n"
+           "supports = [{group = \"pair\", rigid = true}]\n"
+           "[[stage]]\nname = \"turn\"\nkind = \"equilibrium\"\n"
+           "supports = [{group = \"pair\", rigid = true, rotation = [0, 0, 0.1]}]\n";
+  };
+  expect_silence(pair("strength = {criterion = \"elongation\", elongation = 0.1}\n"));
+  expect_refused(pair(""), {"stage \"turn\": the rigid support of group \"pair\" turns it"});
+}
+
 // Pairs that are listed are certain: one part of the body hangs on the other.
 TEST_F(StaticCheck, KnowsBondsOfListedPairs) {
   const std::string two = R"(

@@ -183,7 +183,8 @@ void describe_limits(Table& t, StrengthSpec& s) {
 
 void describe_weibull(Table& t, Weibull& w) {
   t.table(
-      "weibull", optional, "strengths scatter: one factor for all limits of a bond",
+      "weibull", optional,
+      "strengths scatter: one factor for all limits of a bond, for limits that are energies its square",
       [&](Table& k) {
         k.key("modulus", w.modulus, NumberCodec{pure, {0.1, 1e6, false, false}}, required,
               "m: the larger, the less they scatter; below 0.1 factors would leave the range of doubles");

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "vbond/core/bounding_box.hpp"
+#include "vbond/model/mistakes.hpp"
 #include "vbond/run/run.hpp"
 #include "vbond/run/static_solver.hpp"
 
@@ -67,6 +68,8 @@ void Run::look_at_balance(std::size_t k, const StaticStage& stage, const Outlook
   if (now && under_way_) return;                                // it holds what has come off
   if (!(now ? state_ : outlook.state).waiting.empty()) return;  // who is there then is not known
   if (!now && (!outlook.pairs_known || model_.contact.law != ContactLaw::none)) return;
+  if (!now && !mistakes_in(stage.supports, outlook.state).empty())
+    return;  // of bonds that may break till then
   const auto refusal = refusal_of(model_, stage, now ? state_ : outlook.state);
   if (!refusal || (!now && !refusal_of(model_, stage, anywhere(outlook.state)))) return;
   found.push_back({k, problem_of(*refusal, stages_->place(k)), refusal});
