@@ -1,4 +1,4 @@
-"""Rigid groups of which a sink has taken particles: who is gone has no place and no drag."""
+"""Rigid groups and cells of which a sink has taken particles: who is gone has no place, no drag and no part of the stress."""
 import math
 import signal
 
@@ -58,3 +58,33 @@ def test_a_clump_of_which_nobody_is_left():
     case = write("nobody.toml", PAIR + 'supports = [{group = "pair", rigid = true, fix = []}]\n',
                  ("max = .1, 1, 1.", "max = [9, 9, 9]"))
     assert last_of(case, "nobody")["particles"] == 0
+
+
+# Grains that touch nothing follow their cell.
+GRAINS = """cell = {a = [4, 0, 0], b = [0, 4, 0], c = [0, 0, 4]}
+specimen = [{kind = "block", cells = [4, 4, 4], radius = 0.3, mass = 1.0}]
+contact = {law = "linear", k = 100.0}
+time = {step = 0.01}
+output = {history = {every = 0.5}}
+[[stage]]
+name = "still"
+duration = 0.1
+[[stage]]
+name = "strained"
+duration = 1.0
+cell = {xx = {rate = 0.05}}
+[[stage]]
+name = "held"
+duration = 1.0
+"""
+
+
+@pytest.mark.parametrize("sink, there", [
+    ("", 64), ('sink = [{box = {min = [1.5, 1.5, 1.5], max = [2.5, 2.5, 2.5]}, every = 0.05, stages = ["still"]}]\n', 63)])
+def test_grains_that_only_follow_their_cell_have_neither_energy_nor_stress(sink, there):
+    vbond("run", write("grains.toml", sink + GRAINS), "-o", f"grains{there}")
+    rows = table(f"grains{there}")
+    assert rows[-1]["cell_strain_xx"] == pytest.approx(0.05) and rows[-1].get("particles", 64) == there
+    for row in rows:
+        assert abs(row["total"]) < 1e-20 and abs(row["balance_error"]) < 1e-6
+        assert all(abs(row[f"cell_stress_{part}"]) < 1e-20 for part in ("xx", "yy", "zz", "yz", "xz", "xy")), row

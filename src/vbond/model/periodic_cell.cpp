@@ -54,6 +54,7 @@ double kinetic_energy_beside_flow(const Model& model, const State& state) {
   if (state.cell.empty()) return energy;
   const Tensor L = cell_velocity_gradient(state.cell);
   for (const ParticleId p : model.mass.ids()) {
+    if (is_absent(state, p)) continue;
     const Vec3d flow = times(L, state.r[p]);
     energy += model.mass[p] * dot(flow, 0.5 * flow - state.v[p]);
   }
@@ -67,7 +68,7 @@ Tensor cell_stress(const Model& model, const BodyPart& body) {
   if (!s.v.empty()) {
     const Tensor L = cell_velocity_gradient(s.cell);
     for (const ParticleId p : s.v.ids()) {
-      if (!body.has(p)) continue;
+      if (!body.has(p) || is_absent(s, p)) continue;  // who is gone does not go along
       const Vec3d own = s.v[p] - times(L, s.r[p]);
       sum += dyad(-model.mass[p] * own, own);
     }
