@@ -109,7 +109,7 @@ void Heartbeat::balance(const BodyView& body) {
 
 void Heartbeat::look(const BodyView& body) {
   const HistoryValues values = history_values(OutputPlan{}, body);
-  if (columns_.breaks) status_.broken = count_broken(body.bonded());
+  if (columns_.breaks) status_.broken = count_broken(body.part(Show::bonds));
   status_.step = values.clock.step;
   status_.time = values.clock.time();
   status_.stage.steps = values.clock.stage_step;

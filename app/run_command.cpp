@@ -45,8 +45,8 @@ namespace fs = std::filesystem;
 void add_stage(RunSummary& s, const Simulation& run, StopReason why, std::int64_t first_step,
                const std::string& failure) {
   const RangeCounts ranges = count_ranges(run);
-  s.bonds = count_bonds(run.bonded());
-  s.threads_used = run.threads();
+  s.bonds = count_bonds(run.part(Show::bonds));
+  s.threads_used = run.times().threads;
   s.strained = ranges.strained;
   s.snapped = ranges.snapped;
   s.bond_steps += (run.clock().step - first_step) * s.bonds;

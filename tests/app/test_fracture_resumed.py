@@ -117,6 +117,15 @@ def test_what_may_be_edited(whole):
         vbond("resume", name, status=1, err=["is not in balance in this stage", "stay as they are; undo the edit"])
 
 
+def test_a_way_of_a_support_stays(whole):  # its residual is that of before: the load factor alone would take it further
+    write("loose.toml", CASE, ("rigid = true, displacement", f"{CLAMP}, displacement"))
+    stop_at(breaking(0.5), "loose", "run loose.toml -o loose")
+    shutil.copytree("loose", "shorter_way")
+    edit("shorter_way/resolved.toml", (r"displacement = \[0.0, 0.0, 0.5\]", "displacement = [0, 0, 0.4]"))
+    vbond("resume shorter_way", status=1, err=["is not in balance in this stage", "stay as they are; undo the edit"])
+    vbond("resume loose")
+
+
 def test_an_older_program_refuses_it(whole):
     stop_at(breaking(0.5), "newer", "run case.toml -o newer")
     seal = Path("newer/checkpoint.h5").read_bytes()[:512]

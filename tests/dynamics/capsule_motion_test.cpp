@@ -127,7 +127,7 @@ TEST(Capsules, FrictionNeverMakesEnergyOnClosedPaths) {
       EXPECT_LT(std::abs(run.energies().total() + run.books().dissipated - run.books().work_supports -
                          run.books().at_start),
                 2e-3 * std::max(run.books().dissipated, 1e-3));
-      s.state = std::move(run).take_state();
+      s.state = std::move(run).handover().state;
       s.state.clock = {.step = s.state.clock.step, .stage = s.state.clock.stage + 1};
     }
     EXPECT_GE(s.state.books.work_supports, -1e-6);
@@ -287,7 +287,7 @@ TEST(CapsulesBreak, LoadBeforeTheBreakCountsTheirContacts) {
   for (int k = 0; run.breaks() == 0 && k < 1000; ++k) before = run.reaction(lower), run.step();
   ASSERT_EQ(run.breaks(), 1);
   EXPECT_GT(before.force.z, 0.1);  // the upper one pushes down: K sqrt(R) d^1.5 with d = 0.05
-  const Reaction told = run.reaction_before_breaks(lower);
+  const Reaction told = run.reaction(lower, LastBreaks::counted);
   EXPECT_NEAR(norm(told.force - before.force), 0.0, 1e-3 * norm(before.force));
   EXPECT_NEAR(norm(told.moment - before.moment), 0.0, 1e-3 * norm(before.moment));
   EXPECT_EQ(norm(run.reaction(lower).force), 0.0);

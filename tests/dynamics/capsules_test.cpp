@@ -245,9 +245,9 @@ TEST(Capsules, HaveTheSameBitsWithAnyThreadsAndAfterAnyResumption) {
   for (const ParticleId p : s.model.mass.ids()) s.state.v[p] = {dice(-1, 1), dice(-1, 1), dice(-1, 1)};
   const auto run_on = [&](State state, int threads, int steps) {
     Simulation run(s.model, plain_stage(5e-3, 1e9), std::move(state), threads);
-    EXPECT_EQ(run.threads() > 1, threads > 1);
+    EXPECT_EQ(run.times().threads > 1, threads > 1);
     for (int k = 0; k < steps; ++k) run.step();
-    return std::move(run).take_state();
+    return std::move(run).handover().state;
   };
   const State whole = run_on(s.state, 1, 60);
   EXPECT_GT(whole.fibre_history.size(), 300u);

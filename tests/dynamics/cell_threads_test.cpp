@@ -67,9 +67,9 @@ TEST(PeriodicBody, OfManyThreadsMovesBitForBit) {
       State state = s.state;
       while (state.clock.step < 40) {  // images are found anew on the way
         Simulation motion(s.model, stage, std::move(state), threads);
-        EXPECT_GE(motion.threads(), std::min(threads, 2));
+        EXPECT_GE(motion.times().threads, std::min(threads, 2));
         motion.run({}, 40 - motion.clock().step);
-        state = std::move(motion).take_state();
+        state = std::move(motion).handover().state;
       }
       return state;
     };

@@ -295,9 +295,9 @@ TEST(FlowInMotion, GivesTheSameBitsWithAnyThreadsAndAfterAnyResumption) {
   }
   const auto run_on = [&](State state, int threads, int steps) {
     Simulation run(s.model, testing::plain_stage(0.2, 1e9), std::move(state), threads);
-    EXPECT_EQ(run.threads() > 1, threads > 1);
+    EXPECT_EQ(run.times().threads > 1, threads > 1);
     for (int k = 0; k < steps; ++k) run.step();
-    return std::move(run).take_state();
+    return std::move(run).handover().state;
   };
   const State whole = run_on(s.state, 1, 50);
   EXPECT_GT(parted(whole), 60u);

@@ -381,9 +381,9 @@ TEST(InelasticBonds, GiveTheSameBitsWithAnyThreadsAndAfterAnyResumption) {
   const Specimen s = mixed_body();
   const auto run_on = [&](State state, int threads, int steps) {
     Simulation run(s.model, mixed_stage(), std::move(state), threads);
-    EXPECT_EQ(run.threads() > 1, threads > 1);
+    EXPECT_EQ(run.times().threads > 1, threads > 1);
     for (int k = 0; k < steps; ++k) run.step();
-    return std::move(run).take_state();
+    return std::move(run).handover().state;
   };
   const State whole = run_on(s.state, 1, 60);
   EXPECT_GT(broken_in(whole), 60u);

@@ -205,7 +205,7 @@ TEST(Losses, AreTheSameBitsAfterAnyResumption) {
   const auto go_on = [&](State state, int steps) {
     Simulation run(s.model, stage, std::move(state));
     for (int k = 0; k < steps; ++k) run.step();
-    return std::move(run).take_state();
+    return std::move(run).handover().state;
   };
   const State whole = go_on(s.state, 100);
   for (const int at : {1, 40, 99}) {

@@ -275,7 +275,7 @@ State run_to(const Specimen& s, const Stage& stage, State state, std::int64_t st
     Simulation motion(s.model, stage, std::move(state), threads);
     motion.run({}, step - motion.clock().step);
     const bool is_there = motion.clock().step == step;
-    state = std::move(motion).take_state();
+    state = std::move(motion).handover().state;
     if (is_there) return state;
   }
 }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <barrier>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <span>
 #include <vector>
@@ -46,6 +47,7 @@ class Process final : public Exchange {
   }
   int ranks() const override { return static_cast<int>(meeting_.bytes.size()); }
   int rank() const override { return static_cast<int>(rank_); }
+  std::int64_t steps_between_meetings() const override { return 64; }
   void gather_bytes(std::span<const std::byte> mine, const Room& room) const override {
     meeting_.bytes[rank_] = mine;
     meeting_.all_here.arrive_and_wait();

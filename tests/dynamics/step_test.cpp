@@ -122,7 +122,7 @@ TEST(Simulation, LoadsAfterAStepAreThoseOfThePlainLoop) {
   const testing::Specimen s = tied_sheet(80, 2);
   for (const int threads : {1, 2}) {
     Simulation run(s.model, testing::plain_stage(0.005, 1e9), s.state, threads);
-    ASSERT_EQ(run.threads(), threads);
+    ASSERT_EQ(run.times().threads, threads);
     for (int k = 0; k < 3; ++k) {
       run.step();
       EXPECT_LE(difference_from_plain_loop(run), 1e-13) << threads << " threads, step " << k + 1;
@@ -170,7 +170,7 @@ TEST_P(AnyNumberOfThreads, GivesTheSameBits) {
   const auto after = [&](int threads) {
     Simulation run(s.model, stage, s.state, threads);
     for (int k = 0; k < 12; ++k) run.step();
-    return Outcome{run.state(), run.survey(), run.loads(), run.threads()};
+    return Outcome{run.state(), run.survey(), run.loads(), run.times().threads};
   };
   const Outcome one = after(1);
   EXPECT_FALSE(one.state == s.state);
@@ -524,7 +524,7 @@ TEST(Step, TellsWhoTurnsTooFar) {
   testing::Specimen s = testing::straight_rod(3);
   s.state.bonds.resize(1);  // the third particle is free
   Stage stage = testing::plain_stage(0.1, 1.0);
-  const auto fastest = [&] { return Simulation(s.model, stage, s.state).fastest_turn(); };
+  const auto fastest = [&] { return Simulation(s.model, stage, s.state).survey().fast_turn; };
   s.state.omega = {{0, 0, 4.9}, {}, {0, 60, 0}};
   EXPECT_FALSE(fastest());
   s.state.omega = {{0, 0, 6}, {0, 7, 0}, {0, 60, 0}};

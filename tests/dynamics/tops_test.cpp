@@ -275,7 +275,7 @@ TEST(Tops, MoveAlikeWithAnyNumberOfThreads) {
   for (int k = 0; k < 20; ++k) serial.step();
   for (const int threads : {2, 4}) {
     Simulation parallel(s.model, stage, s.state, threads);
-    ASSERT_EQ(parallel.threads(), threads);
+    ASSERT_EQ(parallel.times().threads, threads);
     for (int k = 0; k < 20; ++k) parallel.step();
     EXPECT_EQ(parallel.state(), serial.state());
   }

@@ -342,9 +342,9 @@ TEST(Heap, HasTheSameBitsWithAnyThreadsAndAfterAnyResumption) {
   const Specimen s = heap(22, 0.9);
   const auto run_on = [&](State state, int threads, int steps) {
     Simulation run(s.model, filling(4e-3, 1e9), std::move(state), threads);
-    EXPECT_EQ(run.threads() > 1, threads > 1);
+    EXPECT_EQ(run.times().threads > 1, threads > 1);
     for (int k = 0; k < steps; ++k) run.step();
-    return std::move(run).take_state();
+    return std::move(run).handover().state;
   };
   State falling = s.state;
   testing::Dice dice(5);

@@ -79,11 +79,11 @@ TEST(WeakBond, LoadBeforeItsBreakIsKnown) {
   Simulation run(s.model, stage, s.state);
   ASSERT_EQ(run.run(), StopReason::breaks);
   EXPECT_EQ(run.reaction({ParticleId{0}}).force.x, 0.0);
-  const Reaction at_0 = run.reaction_before_breaks({ParticleId{0}}),
-                 at_1 = run.reaction_before_breaks({ParticleId{1}});
+  const Reaction at_0 = run.reaction({ParticleId{0}}, LastBreaks::counted),
+                 at_1 = run.reaction({ParticleId{1}}, LastBreaks::counted);
   EXPECT_NEAR(at_0.force.x, -0.01, 1e-3 * 0.01);  // passed by at most the way of one step
   EXPECT_EQ(at_1.force.x, -at_0.force.x);
-  EXPECT_EQ(run.reaction_before_breaks({}).force.x, 0.0);
+  EXPECT_EQ(run.reaction({}, LastBreaks::counted).force.x, 0.0);
 }
 
 // The fall of a load is a peak of the reaction: the stop looks at block averages of it.
@@ -138,7 +138,7 @@ TEST(WeakBond, StopCountsTheBreaksOfTheStage) {
 
   Simulation first(s.model, stage, s.state);
   while (broken(first.state()) < 1) first.step();
-  State middle = std::move(first).take_state();
+  State middle = std::move(first).handover().state;
   ASSERT_LT(broken(middle), 5);
   Simulation rest(s.model, stage, middle);
   EXPECT_EQ(rest.run(), StopReason::breaks);

@@ -57,6 +57,7 @@ Checkpoint busy_checkpoint(Chain& chain) {
       {{1, 2, 3}, 0.5, 0.25, 1, {}, {1, 0, 0, 0}, {}, {}},
       {{4, 5, 6}, 1.5, 0.75, 1, {7, 8, 9}, rotation_of({0, 0, 1}), {1, 2, 0}, {0, 3, 1}, 0.5}};
   chain.state.gripped = {{{0.1, 0.2, 0.3}, rotation_of({0.1, 0, 0})}, {{-1, 0, 1}, rotation_of({0, 0.2, 1})}};
+  chain.state.carried = {{ParticleId{0}, 2}, {ParticleId{2}, 1}};
   chain.state.pressed = {{0, ParticleId{0}, ParticleId{1}, ParticleId{2}, {0.1, -1, 2}, {}},
                          {1, ParticleId{2}, ParticleId{0}, ParticleId{2}, {3, 0, 0.7}, {0.2, 0.1, 0}}};
   chain.state.bonds[BondId{0}].capsule = 0.3;
@@ -217,6 +218,23 @@ TEST(Checkpoint, OtherModelIsRefused) {
   Model moved = chain.model;
   moved.r_0[ParticleId{1}].z += 1e-300;
   expect_error(folder / "c.h5", moved, "first positions differ");
+}
+
+// Grains without bonds fit any cell: only its first edges tell.
+TEST(Checkpoint, OtherCellIsRefused) {
+  const Folder folder;
+  Chain chain;
+  chain.model.cell.edges = {Vec3d{9, 0, 0}, {1, 9, 0}, {0, 0, 9}};
+  chain.model.cell.periodic = {true, true, false};
+  chain.state.cell = cell_at_start(chain.model);
+  write_checkpoint(folder / "c.h5", chain.model, {chain.state, {}}, "1.2.3");
+  EXPECT_TRUE(read_checkpoint(folder / "c.h5", chain.model).state == chain.state);
+  Model wider = chain.model, closed = chain.model, triangular = chain.model;
+  wider.cell.edges[1].x = 1.1;
+  closed.cell.periodic[2] = true;
+  triangular.cell.triangular = true;
+  for (const Model& other : {wider, closed, triangular})
+    expect_error(folder / "c.h5", other, "its cells at the start differ");
 }
 
 TEST(Checkpoint, ImpossibleBondIsRefused) {

@@ -221,6 +221,18 @@ TEST(WallFrame, MovesWithTheWallAndTellsItsLoads) {
   EXPECT_NEAR(of_first_triangle("rotation")[0], pi / 2, 1e-15);
 }
 
+TEST(WallFrame, TellsWhichWallsTheStageHasTakenAway) {
+  const Folder folder;
+  Walled body;
+  body.state.walls.resize(6);
+  body.state.walls[1].off = 1;
+  write_walls_vtp(folder / "w.vtp", body.model, body.state);
+  const VtpReader f(content_of(folder / "w.vtp"));
+  const auto id = f.arrays.at("id").integers(), off = f.arrays.at("off").integers();
+  ASSERT_EQ(off.size(), id.size());
+  for (std::size_t k = 0; k < id.size(); ++k) EXPECT_EQ(off[k], id[k] == 1 ? 1 : 0) << k;
+}
+
 /// A body whose numbers partly compress: positions on a line, random velocities, more than one block of 2^18
 /// bytes.
 Chain long_chain() {

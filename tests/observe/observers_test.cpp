@@ -289,8 +289,8 @@ TEST(ProgressObserver, WaitsUntilProcessesMeetAnyway) {
   State begun = run.state();
   const Simulation part(chain.model, two_stages()[1], &begun, {spatial_order(chain.model.r_0)}, one_rank());
   of_parts.observe(part);
-  EXPECT_EQ(of_parts.steps_to_next_look(part.clock()), part.steps_between_meetings());
-  EXPECT_GT(part.steps_between_meetings(), 1);
+  EXPECT_EQ(of_parts.steps_to_next_look(part.clock()), part.processes().steps_between_meetings());
+  EXPECT_GT(part.processes().steps_between_meetings(), 1);
   std::fclose(out);
 }
 

@@ -159,7 +159,7 @@ TEST_P(Parts, AddUpToWhatOneProcessSeesAndCollectNothing) {
     const Stage stage = testing::plain_stage(0.02, 1e9);
     Simulation before(s.model, stage, s.state);
     for (int k = 0; k < 20; ++k) before.step();
-    State state = std::move(before).take_state();
+    State state = std::move(before).handover().state;
     if (seed % 4 < 2) begin_next_stage(state.clock);  // else the stage goes on
     const Simulation run(s.model, stage, state);
     const OutputPlan plan = plan_of(s.model);

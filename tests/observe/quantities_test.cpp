@@ -164,6 +164,7 @@ TEST(Quantities, EveryDataSetOfACheckpointHasItsUnitAndMeaning) {
   chain.state.grips = {
       {{1, 0, 0}, 0.0, 2.0, 1, {0, 0, 1}, rotation_of({0, 0, 1}), {1, 0, 0}, {0, 0, 2}, 1.0}};
   chain.state.gripped = {{{0, 1, 0}, {}}};
+  chain.state.carried = {{ParticleId{1}, 1}};
   chain.state.pressed = {{0, ParticleId{0}, ParticleId{1}, ParticleId{2}, {0, 0, 1}, {0.5, 0, 0}}};
   chain.state.temperature.resize(chain.state.r.size());
   chain.state.warm_bonds = {{BondId{1}, 1e-3, 0.5, 0.1, 0.2}};

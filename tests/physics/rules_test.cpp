@@ -77,6 +77,9 @@ TEST(Strength, SectionLoadsAndAllCriteriaMatchTheReference) {
                   std::max(pc["sigma"].get<double>(), 0.0), 1e-11)
           << name;
       EXPECT_NEAR(utilisation_by(s, stress_strength(section, never, 1.0, b)), pc["tau"], 1e-11) << name;
+      EXPECT_NEAR(utilisation_by(s, mohr_coulomb_strength(section, never, tan_phi, 1.0, b)),
+                  std::max(pc["sigma"].get<double>(), 0.0), 1e-11)
+          << name;
     }
     const json& fibre = criteria["fibre_ends"];
     EXPECT_NEAR(utilisation_by(s, fibre_strength(section, 1.0, never)), fibre["sigma_tension"], 1e-11);

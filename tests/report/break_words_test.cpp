@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "specimen.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/model/rules.hpp"
@@ -41,7 +43,10 @@ TEST(BreaksInWords, SayWhatGovernedAndHowMuchOfIt) {
   EXPECT_TRUE(said("tension leaves it no shear strength: c - (N/A) tan phi = -1;"));
   b.limit = 12.0;
   b.mode = "tension";
+  EXPECT_TRUE(said("N/A + M_b r/J = 9 + 3.102 = 12.1 of 12;"));  // with moment_share
+  const double bending = std::exchange(b.failure.bending, 0.0);
   EXPECT_TRUE(said("N/A = 9 of 12;"));
+  b.failure.bending = bending;
   b.criterion = "fibre";
   EXPECT_TRUE(said("N/A + M_e r/J = 9 + 3.102 = 12.1 of 12;"));
   b.mode = "compression";

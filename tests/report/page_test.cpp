@@ -96,6 +96,30 @@ TEST(Page, WallsMoveAsInTheirFiles) {
   }
 }
 
+// Triangles of which all corners are in one point are not seen.
+TEST(Page, DrawsNoWallThatAStageHasTakenAway) {
+  const test::Folder folder;
+  Chain chain(3);
+  chain.model.walls = {{"table", PlaneWall{{0, 0, -1}, {0, 0, 1}}, 0, {0, 0, -1}},
+                       {"lid", DiscWall{{0, 0, 2}, {0, 0, 1}, 1.0}, 0, {0, 0, 2}}};
+  chain.state.walls.resize(2);
+  FrameWriter writer(folder.path(), false, {}, {.walls = true});
+  for (int f = 0; f < 3; ++f) {
+    chain.at_step(10 * f);
+    chain.state.walls[1].off = f == 1 ? 1 : 0;
+    writer.write(chain.model, chain.state);
+  }
+  auto files = listed_frames(folder / "particles.pvd", folder / "bonds.pvd");
+  add_walls(files, folder / "walls.pvd");
+  Report report;
+  const std::vector<std::vector<float>> motion =
+      read_sequence({SequenceKind::run, "Run", "", "", files}, report.body).walls.motion;
+  ASSERT_EQ(motion.size(), 3u);
+  for (std::size_t f = 0; f < 3; ++f)
+    for (std::size_t w = 0; w < 2; ++w)
+      EXPECT_EQ(motion[f][numbers_of_motion * w], f == 1 && w == 1 ? 0.0F : 1.0F) << f << ", " << w;
+}
+
 TEST(Page, FramesComeBackWithinHalfAStep) {
   const Film film;
   const std::string html = report_page(one_line, film.report, {});

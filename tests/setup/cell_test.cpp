@@ -178,6 +178,19 @@ TEST(CaseCell, RefusesAServoThatSwingsFromStepToStep) {
   EXPECT_TRUE(contains(text, "use modulus = 1,")) << text;
 }
 
+// eta = 0.2: the rate of a step goes to -2 of it in the next at a time of 0.1, and to -0.4 at 0.5.
+TEST(CaseCell, RefusesAServoThatIsQuickerThanDampingAllows) {
+  const auto told = [](const char* time) {
+    return text_of_stage_error(in_cell(
+        std::string("damping = { time = 0.2 }\n[[stage]]\nduration = 10.0\n"
+                    "cell = { xx = { stress = 0.1 }, servo = { modulus = 1.0, fastest = 0.1, time = ") +
+        time + " } }\n"));
+  };
+  EXPECT_EQ(told("0.5"), "");
+  const std::string text = told("0.1");
+  EXPECT_TRUE(contains(text, "adds up to 0.2 of the rate")) << text;
+}
+
 TEST(CaseCell, RefusesTwoParticlesAtOnePlaceThroughAFace) {
   const std::string text = [] {
     try {

@@ -129,7 +129,7 @@ State after_run(const Case& c) {
   Stage s = build_stage(c, b.model, 0, b.state);
   Simulation run(b.model, std::move(s), std::move(b.state), 1);
   run.run();
-  return std::move(run).take_state();
+  return std::move(run).handover().state;
 }
 
 TEST(Duration, IsMetToTheLastStep) {

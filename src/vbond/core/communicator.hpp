@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <span>
 #include <type_traits>
@@ -50,6 +51,9 @@ class Communicator {
   /// Does work that some processes may fail at alone, such as writing: if it throws std::runtime_error on
   /// some, the others throw IoError with what the first of these says. Any other exception ends the program.
   virtual void together(const std::function<void()>& work) const { work(); }
+  /// After so many steps of a body in motion they tell each other of failures and interruptions; who looks
+  /// more often has them wait for that look alone.
+  virtual std::int64_t steps_between_meetings() const { return 1; }
 };
 
 /// The one process of a body that is not shared.

@@ -96,30 +96,50 @@ std::optional<std::string> CellMotion::fault() const {
   return std::nullopt;
 }
 
-Tensor CellMotion::virial(const Team& team, const Tensor& L) const {
-  std::vector<Tensor> of_block(team.blocks());
+CellMotion::Virial CellMotion::virial(const Team& team, const Tensor& L) const {
+  struct Sums {
+    Tensor virial;
+    Vec3d momentum;  // beside the cell
+    double mass = 0;
+  };
+  std::vector<Sums> of_block(team.blocks());
   const std::vector<LoadRow>& local =
       bodies_.local_damping.empty() && stage_.local_damping > 0.0 ? bodies_.damping : bodies_.local_damping;
   team.for_blocks([&](const Block& b) {
-    Tensor& sum = of_block[b.index];
+    Sums& sum = of_block[b.index];
     for (std::size_t k = b.rows.first; k < std::min(b.rows.last, bodies_.order.own); ++k) {
       const Vec3d& r = bodies_.pose[k].r;
       const Vec3d F = local.empty() ? bodies_.load[k].F : bodies_.load[k].F - local[k].F;
       const Vec3d own = bodies_.motion[k].v - times(L, r);
-      sum += dyad(F, r);
-      sum += dyad(bodies_.mass[k] * own, own);
+      const Vec3d momentum = bodies_.mass[k] * own;
+      sum.virial += dyad(F, r);
+      sum.virial += dyad(momentum, own);
+      sum.momentum += momentum;
+      sum.mass += bodies_.mass[k];
     }
   });
   Tensor sum;
-  for (const Tensor& t : of_block) sum += t;
+  Vec3d momentum;
+  double mass = 0.0;
+  for (const Sums& s : of_block) sum += s.virial, momentum += s.momentum, mass += s.mass;
   for (std::size_t k = 0; k < 3; ++k) sum += dyad(forces_[k], cell_[k].along);  // of images, beyond particles
-  sum_over_parts(sum.row, exchange_);
-  return sum;
+  std::array<double, 13> all{};
+  for (std::size_t k = 0; k < 9; ++k) all[k] = component(sum.row[k / 3], static_cast<int>(k % 3));
+  std::copy_n(&momentum.x, 3, all.begin() + 9);
+  all[12] = mass;
+  exchange_.sum(all);
+  for (std::size_t k = 0; k < 9; ++k) component(sum.row[k / 3], static_cast<int>(k % 3)) = all[k];
+  momentum = {all[9], all[10], all[11]};
+  const Tensor drift = dyad(momentum / all[12], momentum);
+  Tensor stress = -1.0 * sum;
+  stress += drift;
+  return {stress, drift};
 }
 
-/// V sigma = -(sum of F (x) r over particles and images) - the sum of m c (x) c.
-void CellMotion::keep(const Tensor& sum) {
-  for (std::size_t k = 0; k < 3; ++k) cell_[k].virial = -sum.row[k];
+/// V sigma = -(sum of F (x) r over particles and images) - the sum of m (c - C) (x) (c - C).
+void CellMotion::keep(const Virial& now) {
+  for (std::size_t k = 0; k < 3; ++k) cell_[k].virial = now.stress.row[k];
+  drift_ = now.drift;
 }
 Tensor CellMotion::kept() const {
   return {{cell_[0].virial, cell_[1].virial, cell_[2].virial}};
@@ -138,9 +158,9 @@ CellMotion::Done CellMotion::end_step(const Team& team) {
   Done done;
   for (std::size_t k = 0; k < 3; ++k)
     done.damping -= 0.5 * stage_.dt * dot(damping_before_[k] + cell_[k].damping, cell_[k].rate);
-  const double before = double_dot(kept(), L_start_);
+  const double before = double_dot(kept(), L_start_) - double_dot(drift_, L_start_);
   keep(virial(team, L_end_));
-  done.work = 0.5 * stage_.dt * (before + double_dot(kept(), L_end_));
+  done.work = 0.5 * stage_.dt * (before + double_dot(kept(), L_end_) - double_dot(drift_, L_end_));
   return done;
 }
 

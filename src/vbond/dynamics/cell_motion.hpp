@@ -16,8 +16,9 @@ namespace vbond {
 /// How the cell of a periodic body moves. A particle has the velocity L r of the cell, L = dH/dt H^-1 with
 /// the edges as columns of H, and a part of its own. Edges go at constant rates in a step, so that bodies
 /// that move with them feel no inertia; where the rates change between two steps, particles change their
-/// velocities with them, and keep their own parts. The cell does the work V sigma : L, where sigma counts the
-/// momentum that the own parts carry.
+/// velocities with them, and keep their own parts. The cell does the work (V sigma - M C C) : L. The stress
+/// sigma counts the momentum that own parts carry beyond their mean C by mass, with which the body of mass M
+/// drifts through its cell: that is no stress, but the cell changes it as all own parts.
 class CellMotion {
  public:
   /// Keeps references to all; the edges are those of the state, and move alike in all parts of the body.
@@ -45,6 +46,8 @@ class CellMotion {
   void stop(const Team& team);
   /// The virial of the particles as they stand: as a stage begins, or after a change of the body.
   void look(const Team& team);
+  /// That of a state that goes on is known; how the body drifts follows from its velocities.
+  void look_at_drift(const Team& team) { drift_ = virial(team, L_end_).drift; }
   /// A pair of a particle and this image gives up this force on the particle, and this part of it that damps.
   void take_out(const Vec3d& r_ij, const Image& image_j, const Vec3d& F, const Vec3d& damping);
   /// Loads are gone whose sum of F (x) r over particles and images of the whole body is this.  [energy]
@@ -57,9 +60,14 @@ class CellMotion {
 
  private:
   std::array<double, 6> rates(double time) const;
-  Tensor virial(const Team& team, const Tensor& L) const;
+  /// What the cell works against, and the part of it that is stress.
+  struct Virial {
+    Tensor stress;  ///< V sigma  [energy]
+    Tensor drift;   ///< M C C  [energy]
+  };
+  Virial virial(const Team& team, const Tensor& L) const;
   void add_flow(const Tensor& flow, const Team& team);
-  void keep(const Tensor& virial);
+  void keep(const Virial& virial);
   Tensor kept() const;
 
   const Model& model_;
@@ -69,6 +77,7 @@ class CellMotion {
   const Exchange& exchange_;
   bool any_ = false;
   Tensor L_start_, L_end_;
+  Tensor drift_;  // of the last look  [energy]
   OfEdges forces_{}, damping_before_{};
 };
 

@@ -31,12 +31,17 @@ Contacts::Contacts(const Model& model, const Order& order, const BondIndex& inde
   else
     touches_.emplace(model, ContactMasses(model, supports), order, kernel);
 
-  const auto keep = [&order, &index, unbonded = model.contact.pairs == ContactPairs::unbonded](
-                        Row i, Row* first, Row* last) {
+  bodies_ = RigidBodies(model.particles(), carried_by(supports));
+  const auto keep = [&order, &index, bodies = bodies_,
+                     unbonded = model.contact.pairs == ContactPairs::unbonded](Row i, Row* first, Row* last) {
     const ParticleId p = order.particle[i];
     if (order.own < order.known)
       last = std::remove_if(first, last, [&](Row j) { return !is_worked_out_here(order, i, j); });
     if (index.of_fibre(p)) return first;  // Capsules sees to it
+    if (bodies.any())
+      last = std::remove_if(first, last, [&](Row j) {
+        return bodies.are_one(p, order.particle[j], order.image(j) - order.image(i));
+      });
     if (index.any_fibres())
       last = std::remove_if(first, last, [&](Row j) { return index.of_fibre(order.particle[j]); });
     if (!unbonded) return last;
@@ -70,6 +75,10 @@ Contacts::Touch Contacts::unbonded(Row i, Row j, const Bodies& bodies) {
   if (!list_ || model_.contact.pairs != ContactPairs::unbonded) return {};
   if (std::max(i, j).value >= order_.known) return {};  // of other parts
   if (index_.of_fibre(order_.particle[i]) || index_.of_fibre(order_.particle[j])) return {};
+  if (are_one(i, j)) {
+    unbonded_in_body(i, j, bodies);
+    return {};
+  }
   if (is_worked_out_here(order_, i, j)) {
     list_->add(i, j);
     if (touches_) unbonded_.emplace_back(i, j);
@@ -81,6 +90,35 @@ Contacts::Touch Contacts::unbonded(Row i, Row j, const Bodies& bodies) {
   if (touches_) return {touches_->energy(i, j, bodies), touches_->first_force(i, j, bodies)};
   const HertzContact<double> h = contact_law(model_.contact, radius_[i], radius_[j]);
   return {contact_energy(h, overlap), -(contact_force(h, overlap) / distance) * r_ij};
+}
+
+/// A pair of one rigid body, which may be one no more in a later stage.
+void Contacts::unbonded_in_body(Row i, Row j, const Bodies& bodies) {
+  const auto [p, q] = std::minmax(order_.particle[i], order_.particle[j]);
+  std::erase_if(at_rest_, [p = p, q = q](const PairMemory& m) { return m.i == p && m.j == q; });
+  const double overlap = radius_[i] + radius_[j] - norm(bodies.between(i, j));
+  if (model_.contact.keeps_overlap && overlap > 0.0 && is_worked_out_here(order_, i, j))
+    at_rest_.push_back({.i = p, .j = q, .kept = overlap});
+}
+
+std::vector<PairMemory> Contacts::collect() const {
+  if (!touches_) return {};
+  std::vector<PairMemory> all = touches_->collect();
+  if (at_rest_.empty()) return all;
+  const bool unbonded = model_.contact.pairs == ContactPairs::unbonded;
+  for (const PairMemory& m : at_rest_)
+    if (!unbonded || !index_.bonded(m.i, m.j)) all.push_back(m);
+  std::sort(all.begin(), all.end(),
+            [](const PairMemory& a, const PairMemory& b) { return place_of(a) < place_of(b); });
+  return all;
+}
+
+void Contacts::restore(const std::vector<PairMemory>& memories) {
+  if (!touches_) return;
+  touches_->restore(memories);
+  at_rest_.clear();
+  for (const PairMemory& m : memories)
+    if (bodies_.are_one(m.i, m.j, m.image_j) && order_.has(m.i)) at_rest_.push_back(m);
 }
 
 void Contacts::list_unbonded(const Bodies& bodies, const Team& team) {
@@ -112,7 +150,7 @@ std::vector<std::pair<Row, Row>> Contacts::deep_pairs(RowRange rows, std::span<c
 }
 
 double Contacts::energy(Row i, Row j, const Bodies& bodies) const {
-  if (!list_) return 0.0;
+  if (!list_ || are_one(i, j)) return 0.0;
   if (touches_) return touches_->energy(i, j, bodies);
   const double overlap = radius_[i] + radius_[j] - norm(bodies.between(i, j));
   return overlap > 0.0 ? contact_energy(contact_law(model_.contact, radius_[i], radius_[j]), overlap) : 0.0;

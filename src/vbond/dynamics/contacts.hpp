@@ -12,6 +12,7 @@
 #include "vbond/dynamics/order.hpp"
 #include "vbond/dynamics/touch_pairs.hpp"
 #include "vbond/model/model.hpp"
+#include "vbond/model/rigid_bodies.hpp"
 #include "vbond/model/stage.hpp"
 #include "vbond/physics/hertz.hpp"
 
@@ -59,13 +60,9 @@ class Contacts {
     return touches_->work_out(rows, bodies, dt);
   }
   /// What pairs remember, in order of particles.
-  std::vector<PairMemory> collect() const {
-    return touches_ ? touches_->collect() : std::vector<PairMemory>{};
-  }
+  std::vector<PairMemory> collect() const;
   /// Takes it up again, after refresh().
-  void restore(const std::vector<PairMemory>& memories) {
-    if (touches_) touches_->restore(memories);
-  }
+  void restore(const std::vector<PairMemory>& memories);
   /// The pairs of these rows that are so near, each from the side of its lower row.
   std::vector<std::pair<Row, Row>> deep_pairs(RowRange rows, std::span<const PoseRow> pose) const;
   /// Each pair once.  [energy]
@@ -74,6 +71,12 @@ class Contacts {
   double energy(Row i, Row j, const Bodies& bodies) const;
 
  private:
+  void unbonded_in_body(Row i, Row j, const Bodies& bodies);
+  bool are_one(Row i, Row j) const {
+    return bodies_.any() &&
+           bodies_.are_one(order_.particle[i], order_.particle[j], order_.image(j) - order_.image(i));
+  }
+
   const Model& model_;
   const Order& order_;
   const BondIndex& index_;
@@ -84,6 +87,8 @@ class Contacts {
   std::optional<NeighbourList> list_;          // none without contacts
   std::vector<std::pair<Row, Row>> unbonded_;  // to be listed
   std::optional<TouchPairs> touches_;          // if pairs do more than ContactRule says
+  RigidBodies bodies_;                         // whose pairs are not listed
+  std::vector<PairMemory> at_rest_;            // of such pairs
 };
 
 }  // namespace vbond

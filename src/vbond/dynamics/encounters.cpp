@@ -12,8 +12,9 @@ Vec3d nearest_point(const Encounter& e) {
   return e.from + std::clamp(-dot(e.from, way) / way2, 0.0, 1.0) * way;
 }
 
-Encounters::Encounters(const Model& model, const BondIndex& index, const Exchange& exchange)
-    : model_(model), index_(index), exchange_(exchange) {
+Encounters::Encounters(const Model& model, const BondIndex& index, const Exchange& exchange,
+                       const std::vector<Support>& supports)
+    : model_(model), index_(index), exchange_(exchange), bodies_(model.particles(), carried_by(supports)) {
   if (model.particles() == 0) return;
   const auto [min, max] = std::minmax_element(model.radius.begin(), model.radius.end());
   // a point may touch a ball, so that the least sum of two radii is not always twice the least one
@@ -107,7 +108,7 @@ void Encounters::add(const Order& order, Row row_i, Row row_j, const Vec3d& from
   if (stood_together(model_, e.i, e.j) &&
       norm2(between(model_.r_0, cell_at_start(model_), e.i, e.j, of_j)) < deep2)
     return;  // it is meant
-  if (index_.bonded(e.i, e.j, of_j)) return;
+  if (index_.bonded(e.i, e.j, of_j) || bodies_.are_one(e.i, e.j, of_j)) return;
   if (index_.of_fibre(e.i) || index_.of_fibre(e.j)) return;  // as part of a fibre, not as a ball
   take_down(e);
 }

@@ -11,6 +11,7 @@
 #include "vbond/dynamics/contact_kernel.hpp"
 #include "vbond/dynamics/exchange.hpp"
 #include "vbond/model/model.hpp"
+#include "vbond/model/rigid_bodies.hpp"
 
 namespace vbond {
 
@@ -32,19 +33,14 @@ struct FastParticle {
   double limit;  ///< the longest way at which no pair can pass unseen  [length]
 };
 
-/// The particle that turns farthest in a step, of those that should not.
-struct FastTurn {
-  ParticleId p;
-  double angle;  ///< in this step  [rad]
-};
-
 /// Finds particles that pass through each other, which contact forces, evaluated once per step, may not see.
 /// What it finds depends on positions and velocities only, so a resumed run finds the same. Costs nothing as
 /// long as nothing is fast or deep; while something is fast, as much as a rebuild of the contact list.
 class Encounters {
  public:
-  /// Keeps references to all.
-  Encounters(const Model& model, const BondIndex& index, const Exchange& exchange = one_rank());
+  /// Keeps references to all but supports.
+  Encounters(const Model& model, const BondIndex& index, const Exchange& exchange = one_rank(),
+             const std::vector<Support>& supports = {});
   Encounters(const Model&&, const BondIndex&) = delete;
   Encounters(const Model&, const BondIndex&&) = delete;
 
@@ -81,7 +77,8 @@ class Encounters {
   const Model& model_;
   const BondIndex& index_;
   const Exchange& exchange_;
-  double limit_ = 0;  // of a particle's way in a step  [length]
+  const RigidBodies bodies_;  // nothing passes within one
+  double limit_ = 0;          // of a particle's way in a step  [length]
   std::vector<Encounter> found_;
   std::optional<FastParticle> fastest_;
   // Used in steps with fast particles only, kept for their memory.

@@ -74,7 +74,8 @@ class MotionTerm {
   virtual bool adds_loads() const { return touches(); }
 
   // ---- between steps ----
-  /// Takes over what a state says of it, and gives it back.
+  /// Takes over what a state says of it, and gives it back. A state with stage_step = 0 is one in which the
+  /// stage begins; any other is read again once its loads are worked out, as these may have been remembered.
   virtual void read(const State&) {}
   virtual void write(State&) const {}
   /// As a stage begins, before its loads are worked out for the first time, and once its energy is known.

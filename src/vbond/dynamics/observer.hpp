@@ -1,5 +1,7 @@
 #pragma once
 #include <cstdint>
+#include <memory>
+#include <vector>
 
 #include "vbond/model/body_view.hpp"
 
@@ -26,5 +28,10 @@ class Observer {
   /// from its start, and shows its balances again. All processes that share a run are shown the whole body.
   virtual void observe_balance(const BodyView& /*body*/, const BalancePoint& /*balance*/) {}
 };
+
+/// Those who look at a run, in the order in which they are shown it.
+using Observers = std::vector<std::shared_ptr<Observer>>;
+/// Tells them that a stage in motion ends here.
+void finish(const Observers& observers, const Simulation& run, StopReason why);
 
 }  // namespace vbond

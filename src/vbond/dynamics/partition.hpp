@@ -1,4 +1,6 @@
 #pragma once
+#include <cstdint>
+
 #include "vbond/dynamics/exchange.hpp"
 #include "vbond/dynamics/order.hpp"
 #include "vbond/model/model.hpp"
@@ -38,6 +40,7 @@ class Partition : public Exchange {
   virtual Share spread(const Model& model, const State& state, double reach, bool knows_all) = 0;
   /// The same body, whose particles have moved since.
   virtual Share spread_anew(const Model& model, const State& state) = 0;
+  std::int64_t steps_between_meetings() const override { return 64; }
 };
 
 }  // namespace vbond

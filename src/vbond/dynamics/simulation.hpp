@@ -91,11 +91,11 @@ class Simulation final : public BodyView, private MotionHost {
   /// and finds no images anew: run() does.
   void step();
   /// Steps until a stop condition holds or `interrupted` (asked after every step) says so: observers are told
-  /// of it. StopReason::running: `most` steps are made, or there is a handover().
+  /// of it. StopReason::running: `most` steps are made; or fewer, and another simulation must go on: bodies
+  /// came in or particles were taken out, or particles have gone so far that a body in parts is to be spread
+  /// anew, or that a periodic one may lack images.
   StopReason run(const std::function<bool()>& interrupted = {},
                  std::int64_t most = std::numeric_limits<std::int64_t>::max());
-  /// Tells the observers that the stage ends here.
-  void finish(StopReason why);
 
   // ---- the body ----
   const Stage& stage() const { return stage_; }
@@ -103,50 +103,32 @@ class Simulation final : public BodyView, private MotionHost {
   /// which it happened, those of a step in the order of bonds. Observers look at every step in which bonds
   /// broke, after it.
   const std::vector<BondEvent>& events() const { return events_; }
-  /// reaction() with the loads of the bonds that broke in the last step.
-  Reaction reaction_before_breaks(const std::vector<ParticleId>& particles) const;
   /// Forces and moments at the present positions, in the numbering of the model; collected at each call. Of a
   /// part those on its own particles.
   Loads loads() const { return bodies_.collect(bodies_.load); }
-  /// Threads at work: fewer than asked for if there is too little for them to do.
-  int threads() const { return static_cast<int>(team_.parts().size()); }
-  const StepTimes& times() const { return times_; }  ///< where the wall time of the steps has gone
-
-  // ---- what may be wrong with it ----
   /// What is deep in one another, or too fast for contacts to keep it apart; observers look at every step
   /// after which particles or capsules are.
   Deep deep() const { return {encounters_, capsules_, terms_.of<MotionWalls>()}; }
-  /// The particle that turns by more than longest_turn in a step, and farthest of all whose bonds or unequal
-  /// moments of inertia feel it (model/turn_bound.hpp). Looks at all of them, so not for every step.
-  std::optional<FastTurn> fastest_turn() const;
+  const StepTimes& times() const { return times_; }  ///< where the wall time of the steps has gone
 
-  // ---- processes that share it ----
-  const Exchange& exchange() const { return exchange_; }
-  /// After so many steps the processes that step a body tell each other of failures and interruptions; who
-  /// looks more often has them wait for that look alone. 1 where one process steps the whole body.
-  std::int64_t steps_between_meetings() const { return is_part_ ? 64 : 1; }
-
-  // ---- another Simulation of the stage that goes on with it ----
-  /// Where run() has ended before the stage, and cannot go on: bodies came in or particles were taken out, or
-  /// particles have gone so far that a body in parts is to be spread anew, or that a periodic one may lack
-  /// images. Nothing else may be asked of the simulation afterwards.
-  std::optional<Handover> handover();
-  /// state() at the end, without a copy: nothing else may be asked of the simulation afterwards.
-  State take_state() &&;
-  /// Goes on where another one has ended, from its state, in which this has changed: takes over its
-  /// observers, and what it has not told them yet, and books what came in and went. Lost particles: run()
+  // ---- its end ----
+  /// state() without a copy, and what has changed in it where run() has ended for that: what another
+  /// simulation, of this stage or the next, goes on from. This one may only be taken over then.
+  Handover handover() &&;
+  /// Goes on where another one of the stage has ended, from its state, in which this has changed: takes over
+  /// its observers, and what it has not told them yet, and books what came in and went. Lost particles: run()
   /// shows observers the same step again.
   void take_over(Simulation& before, const Passage& passed);
 
   // ---- of a BodyView ----
   const Model& model() const override { return model_; }
   const State& state() const override;
-  BodyPart part(double near = 0.0, bool ends_of_broken = false) const override;
-  BodyPart bonded() const override;
+  BodyPart part(Show what = Show::places, double near = 0.0) const override;
   const Survey& survey() const override;
   const EnergyBooks& books() const override;
   double balance_error() const override;
-  Reaction reaction(const std::vector<ParticleId>& particles) const override;
+  Reaction reaction(const std::vector<ParticleId>& particles,
+                    LastBreaks breaks = LastBreaks::left_out) const override;
   double mean_axial_force(const std::vector<ParticleId>& particles) const override;
   const std::vector<WallState>& walls() const override { return terms_.of<MotionWalls>().states(); }
   std::vector<GripView> grips() const override;
@@ -220,7 +202,7 @@ class Simulation final : public BodyView, private MotionHost {
   void lose(std::size_t block, const TouchLosses<double>& to_touches) override;
   void lose_particle(const LostParticle& lost) override { lost_particles_.push_back(lost); }
   double potential_energy() const override { return survey_here().energies.potential(); }
-  double flowed() const override { return dissipated_by_flow(bonded()); }
+  double flowed() const override { return dissipated_by_flow(part(Show::bonds)); }
   void lengths_have_changed() override { survey_.reset(); }
   bool anything_dissipates() const { return inelastic() || anything_touches() || damping_.is_drag(); }
   void tell_of_lost();
@@ -241,7 +223,9 @@ class Simulation final : public BodyView, private MotionHost {
   void keep_records();
   double peak_quantity() const;
   Survey survey_here() const;
+  std::optional<FastTurn> fast_turn_here() const;
   Reaction reaction_here(const std::vector<ParticleId>& particles) const;
+  void add_taken(const std::vector<ParticleId>& particles, Reaction& to) const;
   Reaction summed_over_parts(Reaction reaction) const;
   std::vector<BondId> bonds_inside(const std::vector<ParticleId>& particles) const;
   double mean_axial_force(const std::vector<BondId>& bonds) const;
@@ -340,7 +324,7 @@ class Simulation final : public BodyView, private MotionHost {
   std::int64_t last_stage_step_ = 0;           // of the stage's duration
   std::int64_t next_visit_ = no_visit;         // its step of the stage
   std::optional<Handover> visited_;            // of a visit that has changed the body
-  std::vector<std::shared_ptr<Observer>> observers_;
+  Observers observers_;
   std::int64_t steps_to_look_ = 1;
   StepTimes times_;
   // of a part

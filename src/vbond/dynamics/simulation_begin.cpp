@@ -1,5 +1,6 @@
 // How the simulation of a stage is set up, begins the stage, and knows its loads between steps.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -9,6 +10,7 @@
 #include "vbond/dynamics/simulation.hpp"
 #include "vbond/model/bond_sums.hpp"
 #include "vbond/model/mistakes.hpp"
+#include "vbond/model/rigid_bodies.hpp"
 #include "vbond/model/state_table.hpp"
 #include "vbond/terms/heat/heat.hpp"
 
@@ -31,6 +33,25 @@ const Model& consistent(const Model& model, const Stage& stage, const State& sta
   if (!is_part) require_able_to_begin(model, stage, state);
   return model;
 }
+
+/// What take_hold() changes of a state, for a stage that cannot begin.
+struct BeforeHold {
+  explicit BeforeHold(const State& s)
+      : carried(s.carried),
+        contact_history(s.contact_history),
+        books(s.books),
+        loads{s.loads, s.damping, s.local_damping} {}
+  void put_back(State& s) && {
+    s.carried = std::move(carried);
+    s.contact_history = std::move(contact_history);
+    s.books = books;
+    s.loads = std::move(loads[0]), s.damping = std::move(loads[1]), s.local_damping = std::move(loads[2]);
+  }
+  std::vector<Carried> carried;
+  std::vector<PairMemory> contact_history;
+  EnergyBooks books;
+  std::array<Loads, 3> loads;
+};
 
 }  // namespace
 
@@ -62,7 +83,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
       team_(bodies_.order.own, work_of_blocks(model, bodies_, state_.bonds), is_part_ ? 1 : threads),
       contacts_(model, bodies_.order, bond_index_, step_kernel(), stage_.supports),
       capsules_(model, stage_, bodies_, state_.cell),
-      encounters_(model, bond_index_, exchange_),
+      encounters_(model, bond_index_, exchange_, stage_.supports),
       supports_(stage_, bodies_, team_),
       applied_(stage_, bodies_, team_),
       damping_(stage_, bodies_),
@@ -78,12 +99,19 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
     with_ghosts_.emplace(team_, bodies_.order.known);
   else
     team_.give_images([this](const Part& p) { return images_.rows_of(p.first_block, p.last_block); });
+  times_.threads = static_cast<int>(team_.parts().size());
   books_.resize(all_known().blocks());
   lost_.resize(all_known().blocks());
   std::optional<BondsOfState> of_whole;  // until the stage has begun
+  std::optional<BeforeHold> before_hold;
   try {
+    if (carried_by(stage_.supports) != state_.carried) {
+      before_hold.emplace(state_);
+      take_hold(model_, stage_.supports, state_);
+      booked_ = state_.books;
+    }
     if (is_part_ && exchange_.ranks() > 1 && !knows_all(model, stage_, state_))
-      of_whole = keep_own_bonds(state_, bonded(), bodies_.order, part_bonds_, shared_);
+      of_whole = keep_own_bonds(state_, part(Show::bonds), bodies_.order, part_bonds_, shared_);
     const bool begun = (is_part_ && !share.begins) || state_.clock.stage_step != 0;
     if (!leads()) {  // parts add up
       booked_ = {.largest = booked_.largest};
@@ -109,6 +137,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
     if (of_whole) has_changed();  // it was whole
   } catch (...) {
     if (of_whole) of_whole->give_back(state_);
+    if (before_hold) std::move(*before_hold).put_back(state_);
     *state = std::move(state_);
     throw;
   }
@@ -122,7 +151,7 @@ void Simulation::begin_stage() {
   evaluate_loads();
   if (cell_.any()) cell_.look(team_);
   if (run_begins) {
-    const EnergyBooks opened = opened_books(bonded(), energies().total());
+    const EnergyBooks opened = opened_books(part(Show::bonds), energies().total());
     booked_ = leads() ? opened : EnergyBooks{.largest = opened.largest};
   }
   for (MotionTerm* t : terms_.all()) t->begin_stage();

@@ -52,7 +52,7 @@ void Simulation::arrange_bonds() {
 void Simulation::bonds_changed() {
   arrange_bonds();
   bond_index_ = BondIndex(bodies_.order, state_.bonds, part_bonds_);
-  rounding_scale_ = scale_of_rounding(bonded());
+  rounding_scale_ = scale_of_rounding(part(Show::bonds));
   contacts_.bonds_changed();
   capsules_.bonds_changed(state_.bonds);
   for (const Bond& b : state_.bonds)
@@ -102,6 +102,7 @@ void Simulation::take_up_loads() {
   const CellEdges cell = state_.cell;  // with what damping did to images in the half step before
   evaluate_loads();
   state_.cell = cell;
+  if (cell_.any()) cell_.look_at_drift(team_);
   if (state_.loads.F.size() == model_.particles()) bodies_.spread(state_.loads, bodies_.load);
   if (state_.damping.F.size() == model_.particles() && !bodies_.damping.empty())
     bodies_.spread(state_.damping, bodies_.damping);

@@ -214,16 +214,11 @@ void Simulation::show_ends_of_broken() const {
   for (const End& e : exchange_.gather(ends)) state_.r[e.particle] = e.r, state_.q[e.particle] = e.q;
 }
 
-BodyPart Simulation::part(double near, bool ends_of_broken) const {
-  show_own();
+BodyPart Simulation::part(Show what, double near) const {
+  if (what != Show::bonds) show_own();
   if (!is_part_) return state_;
-  if (ends_of_broken) show_ends_of_broken();
+  if (what == Show::ends_of_broken) show_ends_of_broken();
   return own_part(near > 0.0 ? near_own(near) : std::vector<ParticleId>{});
-}
-
-BodyPart Simulation::bonded() const {
-  if (!is_part_) return state_;
-  return own_part({});
 }
 
 BodyPart Simulation::own_part(std::vector<ParticleId> near) const {

@@ -23,6 +23,15 @@ double rounding_along(const Tensor& flow, const Model& model) {
   return 1e3 * std::numeric_limits<double>::epsilon() * mass * speed2;
 }
 
+/// Where there is any.
+FastTurn farthest_of(const std::optional<FastTurn>& here, const Communicator& processes) {
+  std::vector<FastTurn> all(here ? 1 : 0, here.value_or(FastTurn{}));
+  all = processes.gather(all);
+  return *std::min_element(all.begin(), all.end(), [](const FastTurn& a, const FastTurn& b) {
+    return std::pair(-a.angle, a.p) < std::pair(-b.angle, b.p);
+  });
+}
+
 }  // namespace
 
 void Simulation::keep_records() {
@@ -106,7 +115,27 @@ StopReason Simulation::stop_reason() const {
   return StopReason::running;
 }
 
-std::optional<FastTurn> Simulation::fastest_turn() const {
+const Survey& Simulation::survey() const {
+  if (survey_) return *survey_;
+  Survey survey = survey_here();
+  survey.fast_turn = fast_turn_here();
+  Energies& e = survey.energies;
+  std::array<double, 8> sums{e.kinetic_translation,
+                             e.kinetic_rotation,
+                             e.U_L,
+                             e.U_B,
+                             e.U_T,
+                             e.contact,
+                             survey.deformed.empty() ? 0.0 : 1.0,
+                             survey.fast_turn ? 1.0 : 0.0};
+  exchange_.sum(sums);
+  e = {sums[0], sums[1], sums[2], sums[3], sums[4], sums[5]};
+  survey.any_deformed = sums[6] > 0.0;
+  if (sums[7] > 0.0) survey.fast_turn = farthest_of(survey.fast_turn, exchange_);
+  return survey_.emplace(std::move(survey));
+}
+
+std::optional<FastTurn> Simulation::fast_turn_here() const {
   std::optional<FastTurn> fastest;
   double most2 = sq(longest_turn / stage_.dt);
   const auto look = [&](ParticleId p, bool of_a_group) {
@@ -122,29 +151,7 @@ std::optional<FastTurn> Simulation::fastest_turn() const {
   for (const Support& s : stage_.supports)
     if (turns_freely(s))
       for (const ParticleId p : s.particles) look(p, true);
-  std::vector<FastTurn> of_all(fastest ? 1 : 0, fastest.value_or(FastTurn{}));
-  of_all = exchange_.gather(of_all);
-  const auto first = std::min_element(of_all.begin(), of_all.end(), [](const FastTurn& a, const FastTurn& b) {
-    return std::pair(-a.angle, a.p) < std::pair(-b.angle, b.p);
-  });
-  return first != of_all.end() ? std::optional(*first) : std::nullopt;
-}
-
-const Survey& Simulation::survey() const {
-  if (survey_) return *survey_;
-  Survey survey = survey_here();
-  Energies& e = survey.energies;
-  std::array<double, 7> sums{e.kinetic_translation,
-                             e.kinetic_rotation,
-                             e.U_L,
-                             e.U_B,
-                             e.U_T,
-                             e.contact,
-                             survey.deformed.empty() ? 0.0 : 1.0};
-  exchange_.sum(sums);
-  e = {sums[0], sums[1], sums[2], sums[3], sums[4], sums[5]};
-  survey.any_deformed = sums[6] > 0.0;
-  return survey_.emplace(std::move(survey));
+  return fastest;
 }
 
 /// Of what is worked out here.
@@ -205,10 +212,6 @@ void Simulation::show_own() const {
   supports_.grips().write(state_);
 }
 
-State Simulation::take_state() && {
-  return std::move(collected());
-}
-
 /// Of parts the sum of what each has booked.
 const EnergyBooks& Simulation::books() const {
   if (!std::exchange(books_ahead_, false)) return state_.books;
@@ -227,8 +230,10 @@ Reaction Simulation::summed_over_parts(Reaction r) const {
   return {{sums[0], sums[1], sums[2]}, {sums[3], sums[4], sums[5]}};
 }
 
-Reaction Simulation::reaction(const std::vector<ParticleId>& particles) const {
-  return summed_over_parts(reaction_here(particles));
+Reaction Simulation::reaction(const std::vector<ParticleId>& particles, LastBreaks breaks) const {
+  Reaction here = reaction_here(particles);
+  if (breaks == LastBreaks::counted) add_taken(particles, here);
+  return summed_over_parts(here);
 }
 
 /// What is exerted on those that are moved here.
@@ -246,22 +251,21 @@ Reaction Simulation::reaction_here(const std::vector<ParticleId>& particles) con
   return total;
 }
 
-Reaction Simulation::reaction_before_breaks(const std::vector<ParticleId>& particles) const {
-  Reaction total = reaction_here(particles);
+/// Loads of the bonds that broke in the last step, as their supports bore them.
+void Simulation::add_taken(const std::vector<ParticleId>& particles, Reaction& to) const {
   const std::vector<char> grips = whole_free_grips(particles);
   for (const Hold& h : supports_.holds()) {
     if (!std::binary_search(particles.begin(), particles.end(), h.particle)) continue;
     const Row row = bodies_.order.row[h.particle];
     const bool whole = grips[h.support] != 0;
     for (const TakenLoads& t : taken_) {
-      if (t.i == h.particle) add_held(h, whole, row, -t.loads.F, -t.loads.M_ij, total);
-      if (t.j == h.particle) add_held(h, whole, row, t.loads.F, -t.loads.M_ji, total);
+      if (t.i == h.particle) add_held(h, whole, row, -t.loads.F, -t.loads.M_ij, to);
+      if (t.j == h.particle) add_held(h, whole, row, t.loads.F, -t.loads.M_ji, to);
     }
     auto s = std::lower_bound(taken_shares_.begin(), taken_shares_.end(), row.value,
                               [](const Capsules::Share& x, std::size_t first) { return x.row < first; });
-    for (; s != taken_shares_.end() && s->row == row.value; ++s) add_held(h, whole, row, -s->F, -s->M, total);
+    for (; s != taken_shares_.end() && s->row == row.value; ++s) add_held(h, whole, row, -s->F, -s->M, to);
   }
-  return summed_over_parts(total);
 }
 
 /// Of each support: whether it is a grip that is free in part and has all its particles among these.

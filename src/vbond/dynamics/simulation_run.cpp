@@ -30,12 +30,12 @@ StopReason Simulation::run(const std::function<bool()>& interrupted, std::int64_
       why = StopReason::interrupted;
   }
   agree_on_failure();
-  if (why != StopReason::running) finish(why);
+  if (why != StopReason::running) finish(observers_, *this, why);
   return why;
 }
 
-void Simulation::finish(StopReason why) {
-  for (const auto& o : observers_) exchange_.together([&] { o->finish(*this, why); });
+void finish(const Observers& observers, const Simulation& run, StopReason why) {
+  for (const auto& o : observers) run.processes().together([&] { o->finish(run, why); });
 }
 
 void Simulation::notify_observers() {
@@ -51,7 +51,7 @@ void Simulation::notify_observers() {
 
 /// One process alone meets nobody, and may be interrupted after each step.
 bool Simulation::is_time_to_meet() const {
-  return !is_part_ || unmet_ >= steps_between_meetings() || !(room_ > 0.0);
+  return !is_part_ || unmet_ >= exchange_.steps_between_meetings() || !(room_ > 0.0);
 }
 
 /// Between steps, now and then: whether one is interrupted, has failed, or has a particle that has gone too
@@ -100,16 +100,16 @@ bool Simulation::visit() {
   return visited_.has_value();
 }
 
-std::optional<Handover> Simulation::handover() {
-  if (visited_) return std::exchange(visited_, {});
-  if (has_outgrown_) return Handover{std::move(*this).take_state(), {}};
-  return {};
+Handover Simulation::handover() && {
+  if (visited_) return *std::exchange(visited_, {});
+  return {std::move(collected()), {}};
 }
 
 void Simulation::take_over(Simulation& before, const Passage& passed) {
   observers_ = std::move(before.observers_);
   steps_to_look_ = before.steps_to_look_;
-  times_ = before.times_;
+  const int threads = std::exchange(times_, before.times_).threads;
+  times_.threads = threads;
   next_visit_ = before.next_visit_;  // of the same step, which may have been visited already
   events_ = std::move(before.events_);
   events_.insert(events_.end(), passed.events.begin(), passed.events.end());

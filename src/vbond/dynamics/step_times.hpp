@@ -10,6 +10,7 @@ struct StepTimes {
   double bonds = 0;  ///< [s], all three scaled up to all steps
   double contacts = 0;
   double integrate = 0;  ///< moving the particles: kicks, drift, supports, damping, applied loads
+  int threads = 1;       ///< that share the work: fewer than asked for if there is too little for them to do
 
   static constexpr std::int64_t one_in = 128;
 

@@ -14,7 +14,13 @@
 
 namespace vbond {
 
-/// Where the energy is, and which bonds need a closer look.
+/// The particle that turns farthest in a step, of those that should not.
+struct FastTurn {
+  ParticleId p;
+  double angle;  ///< in this step  [rad]
+};
+
+/// Where the energy is, and which bonds need a closer look, and who turns too fast.
 struct Survey {
   Energies energies;
   /// Every unbroken bond that is strained or snapped, shorter than half or longer than twice its length at
@@ -22,6 +28,9 @@ struct Survey {
   /// share, of the bonds of this one.
   std::vector<BondId> deformed;
   bool any_deformed = false;  ///< anywhere in the body
+  /// Of a body in motion the particle that turns by more than longest_turn (model/turn_bound.hpp) in a step,
+  /// and farthest of all whose bonds, unequal moments of inertia or group feel it.
+  std::optional<FastTurn> fast_turn = {};
 };
 
 /// The bonds that a Survey of this state names.
@@ -51,6 +60,16 @@ struct BalancePoint {
   std::optional<int> unstable;  ///< negative eigenvalues of the tangent; absent: not counted
 };
 
+/// How much of what a process has of a body is to be as of now.
+enum class Show : std::uint8_t {
+  bonds,          ///< which there are: places and memories may be old, and it takes no time
+  places,         ///< all of its own, and both ends of bonds that hold
+  ends_of_broken  ///< and both ends of those that broke, which processes tell each other
+};
+
+/// Whether the loads of bonds that broke in the last step count.
+enum class LastBreaks : bool { left_out, counted };
+
 /// A body in motion or at rest as those see it who write and watch: Simulation is one, PointView is one of a
 /// point of balance. It shows an instant, and is good until the body moves on. Of a body that several
 /// processes step, all of them ask the same in the same order, and get the same answers, of the whole body.
@@ -71,13 +90,11 @@ class BodyView {
   /// and of a body that several processes share, memory and messages of the size of the body.
   virtual const State& state() const = 0;
   /// What this process has of it, and all particles nearer than so much to its own: for sums over all. It
-  /// takes less than state(); where processes do not know what is so near, or where bonds that broke end,
-  /// they tell each other.  [length]
-  virtual BodyPart part(double near = 0.0, bool ends_of_broken = false) const = 0;
-  /// The same for sums over bonds that need no places: places and memories in it may be old, and it takes no
-  /// time.
-  virtual BodyPart bonded() const { return known(); }
-  /// A sum over all bonds, so not for every step; made once however often it is asked for.
+  /// takes less than state(); where processes do not know what is so near they tell each other.  [length]
+  virtual BodyPart part(Show what = Show::places, double near = 0.0) const = 0;
+  /// Those that step the body; one alone of a body at rest.
+  const Communicator& processes() const { return part(Show::bonds).all; }
+  /// A look at all bonds and particles, so not for every step; made once however often it is asked for.
   virtual const Survey& survey() const = 0;
   /// Of these positions and velocities.
   const Energies& energies() const { return survey().energies; }
@@ -89,7 +106,8 @@ class BodyView {
   virtual double balance_error() const = 0;
   /// What supports exert on these particles along held degrees of freedom; in motion drag included, the
   /// inertia of prescribed accelerations left out.
-  virtual Reaction reaction(const std::vector<ParticleId>& particles) const = 0;
+  virtual Reaction reaction(const std::vector<ParticleId>& particles,
+                            LastBreaks breaks = LastBreaks::left_out) const = 0;
   /// Mean over the bonds with both ends in the group of F.d, tension positive; 0 without such bonds.  [force]
   virtual double mean_axial_force(const std::vector<ParticleId>& particles) const = 0;
   /// Where walls are, and what presses on them.

@@ -31,14 +31,15 @@ struct PresentContacts {
   PerParticle<double> number, overlap;  ///< overlap: the largest  [length]
 };
 
-PresentContacts present_contacts(const Model& model, const State& state, std::vector<BoundWall>& walls) {
+PresentContacts present_contacts(const Model& model, const State& state, const RigidBodies& bodies,
+                                 std::vector<BoundWall>& walls) {
   PresentContacts found{PerParticle<double>(model.particles(), 0.0),
                         PerParticle<double>(model.particles(), 0.0)};
   const auto add = [&found](ParticleId p, double overlap) {
     found.number[p] += 1.0;
     found.overlap[p] = std::max(found.overlap[p], overlap);
   };
-  for_touching_pairs(model, state, [&](ParticleId i, ParticleId j, const Image&, double overlap) {
+  for_touching_pairs(model, state, bodies, [&](ParticleId i, ParticleId j, const Image&, double overlap) {
     add(i, overlap), add(j, overlap);
   });
   for (const auto& [c, touching, history] : fibre_touches(model, state)) {
@@ -185,7 +186,8 @@ ContactBound contact_bound(const Model& model, const State& state, const std::ve
   std::vector<BoundWall> walls = bound_walls(model, drives);
   const std::vector<PossibleTouch> touches = possible_touches(model, walls);
   if (touches.empty()) return {};
-  const PresentContacts present = present_contacts(model, state, walls);
+  const PresentContacts present =
+      present_contacts(model, state, RigidBodies(model.particles(), carried_by(supports)), walls);
   share_masses(model, state, drives, walls);
 
   const TouchForms forms = touch_forms(model.contact);

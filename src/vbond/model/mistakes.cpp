@@ -219,6 +219,13 @@ std::vector<std::string> mistakes_in(const Model& model, const State& s) {
                [](const PairMemory& m) {
                  return (m.i < m.j || (m.i == m.j && m.image_j > Image{})) && m.kept >= 0.0;
                });
+  require_each(s.carried, "carried", "is no particle of the state, or of no body",
+               [&](const Carried& c) { return c.particle.value < model.particles() && c.body > 0; });
+  found.require(std::adjacent_find(s.carried.begin(), s.carried.end(),
+                                   [](const Carried& a, const Carried& b) {
+                                     return !(a.particle < b.particle);
+                                   }) == s.carried.end(),
+                "carried are not in the order of particles, each once");
   found.add(mistakes_in_cell(model, s));
   require_each(s.wall_history, "wall_touches", "names a wall that is not there",
                [&](const WallMemory& m) { return m.wall < model.walls.size(); });

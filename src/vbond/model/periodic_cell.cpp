@@ -65,15 +65,22 @@ Tensor cell_stress(const Model& model, const BodyPart& body) {
   const State& s = body.state;
   Tensor sum;
   for (const Tensor& t : stress_between_particles(model, body)) sum += transposed(t);
-  if (!s.v.empty()) {
-    const Tensor L = cell_velocity_gradient(s.cell);
-    for (const ParticleId p : s.v.ids()) {
-      if (!body.has(p) || is_absent(s, p)) continue;  // who is gone does not go along
-      const Vec3d own = s.v[p] - times(L, s.r[p]);
-      sum += dyad(-model.mass[p] * own, own);
-    }
+  if (s.v.empty()) return (1.0 / volume(s.cell)) * body.summed(sum);
+  const Tensor L = cell_velocity_gradient(s.cell);
+  Vec3d momentum;
+  double mass = 0.0;
+  for (const ParticleId p : s.v.ids()) {
+    if (!body.has(p) || is_absent(s, p)) continue;
+    const Vec3d own = s.v[p] - times(L, s.r[p]), carried = model.mass[p] * own;
+    sum += dyad(-carried, own);
+    momentum += carried;
+    mass += model.mass[p];
   }
-  return (1.0 / volume(s.cell)) * body.summed(sum);
+  momentum = body.summed(momentum);
+  body.all.sum({&mass, 1});
+  sum = body.summed(sum);
+  if (mass > 0.0) sum += dyad(momentum / mass, momentum);  // a drift through the cell is no stress
+  return (1.0 / volume(s.cell)) * sum;
 }
 
 std::vector<std::string> stresses_not_reached(const CellDrive& drive, const State& s, double time) {
@@ -96,12 +103,18 @@ std::vector<std::string> stresses_not_reached(const CellDrive& drive, const Stat
   return sentences;
 }
 
-double affine_modulus(const CellShape& shape, const State& s) {
+namespace {
+
+/// A bound of what unit changes of these components of F give rise to in all of them, where bonds resist
+/// stretching and shear by these coefficients, and particles follow the cell and do not turn.
+template <class Coefficients>
+double affine_bound(const CellShape& shape, const State& s, const std::array<bool, 6>& counts,
+                    Coefficients&& coefficients) {
   using Components = std::array<double, 6>;
   std::array<Components, 6> sum{};  // second derivatives of the energy with components of F
   for (const Bond& b : s.bonds) {
     if (b.broken) continue;
-    const BondStiffness<double> c = b.law->stiffness(b);
+    const BondStiffness<double> c = coefficients(b);
     const Vec3d r = between(s, b), d = normalised(r);
     std::array<Vec3d, 6> u;
     for (std::size_t k = 0; k < 6; ++k) {
@@ -118,11 +131,27 @@ double affine_modulus(const CellShape& shape, const State& s) {
   double most = 0.0;
   for (std::size_t k = 0; k < 6; ++k) {
     double row = 0.0;
-    for (const double x : sum[k]) row += std::abs(x);
+    for (std::size_t l = 0; l < 6; ++l)
+      if (counts[k] && counts[l]) row += std::abs(sum[k][l]);
     const double times_counted = k >= 3 && !shape.triangular ? 2.0 : 1.0;  // F_xy and F_yx
     most = std::max(most, row / (times_counted * volume(s.cell)));
   }
   return most;
+}
+
+}  // namespace
+
+double affine_modulus(const CellShape& shape, const State& s) {
+  return affine_bound(shape, s, {true, true, true, true, true, true},
+                      [](const Bond& b) { return b.law->stiffness(b); });
+}
+
+double affine_viscosity(const CellShape& shape, const State& s, const CellDrive& drive) {
+  std::array<bool, 6> counts{};
+  for (std::size_t k = 0; k < 6; ++k) counts[k] = drive.component[k].by == CellComponent::By::stress;
+  return affine_bound(shape, s, counts, [](const Bond& b) {
+    return is_damped(b) ? b.law->damping(b) : BondStiffness<double>{};
+  });
 }
 
 std::array<bool, 3> open_axes(const CellShape& shape) {

@@ -25,8 +25,9 @@ Tensor cell_velocity_gradient(const CellEdges& cell);
 double kinetic_energy_beside_flow(const Model& model, const State& state);
 
 /// The stress of the body: V stress = sum of F_i (x) r_ij over pairs, less the momentum that the particles'
-/// own velocities carry, the sum of m c (x) c; tension > 0. Elastic forces and friction, no damping of bonds.
-/// Symmetric but for moments on particles that are out of balance.  [force/length^2]
+/// own velocities carry beyond their mean by mass, the sum of m (c - C) (x) (c - C); tension > 0. Elastic
+/// forces and friction, no damping of bonds. Symmetric but for moments on particles that are out of balance.
+/// [force/length^2]
 Tensor cell_stress(const Model& model, const BodyPart& body);
 
 /// A sentence for each component whose stress is not what a stage of motion asks for at this time: off by
@@ -36,6 +37,10 @@ std::vector<std::string> stresses_not_reached(const CellDrive& drive, const Stat
 /// A bound of the stiffness that the bonds give the body against changes of the cell's components, several at
 /// once too, while particles follow the cell and do not turn.  [force/length^2]
 double affine_modulus(const CellShape& shape, const State& state);
+
+/// The same of the stress that damping of bonds adds per rate of the components that a stress moves.
+/// [force/length^2*time]
+double affine_viscosity(const CellShape& shape, const State& state, const CellDrive& drive);
 
 /// Whether a surface is the same one edge further, for each edge that is periodic: planes along them, and
 /// endless cylinders around the only one.

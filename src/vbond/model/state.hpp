@@ -17,6 +17,13 @@
 
 namespace vbond {
 
+/// A particle that a rigid support carries, and the number of the rigid body that it is of, from 1.
+struct Carried {
+  ParticleId particle;
+  std::int64_t body = 0;
+  friend bool operator==(const Carried&, const Carried&) = default;
+};
+
 /// Where the run is. Time is counted, never summed.
 struct Clock {
   std::int64_t step = 0;        ///< steps since the start of the run
@@ -122,7 +129,8 @@ struct State : Terms::OfState {
   CellEdges cell;                           ///< its edges, and how they change; empty: nothing is periodic
   std::vector<GripState> grips;             ///< of the stage under way, in the order of its supports
   std::vector<GrippedPose> gripped;         ///< their particles, grip by grip
-  Loads damping;                            ///< the part of these that damps; empty if no bond does
+  std::vector<Carried> carried;  ///< of the stage under way, or the last one; in the order of particles
+  Loads damping;                 ///< the part of these that damps; empty if no bond does
   Loads local_damping;  ///< the part of these that is local damping, where bonds damp as well; else empty
   EnergyBooks books;
   PeakRecord peak;
@@ -217,16 +225,29 @@ inline const PairMemory* memory_of(const State& s, ParticleId i, ParticleId j, c
   return at != s.contact_history.end() && place_of(*at) == pair ? &*at : nullptr;
 }
 
+/// Whether i and this image of j are of one rigid body: then they do not touch (model/rigid_bodies.hpp).
+inline bool are_one_body(const State& s, ParticleId i, ParticleId j, const Image& of_j = {}) {
+  if (s.carried.empty() || i == j || !of_j.is_itself()) return false;
+  const auto body = [&s](ParticleId p) {
+    const auto at = std::lower_bound(s.carried.begin(), s.carried.end(), p,
+                                     [](const Carried& c, ParticleId q) { return c.particle < q; });
+    return at != s.carried.end() && at->particle == p ? at->body : 0;
+  };
+  const std::int64_t of_i = body(i);
+  return of_i != 0 && of_i == body(j);
+}
+
 /// The part of their overlap that two particles do not feel.  [length]
 inline double kept_overlap(const State& s, ParticleId i, ParticleId j, const Image& of_j = {}) {
   const PairMemory* memory = memory_of(s, i, j, of_j);
   return memory != nullptr ? memory->kept : 0.0;
 }
 
-/// Energy of the repulsion of two particles, bonded or not; 0 if they do not touch.  [energy]
+/// Energy of the repulsion of two particles, bonded or not; 0 if they do not touch, or are of one rigid body.
+/// [energy]
 inline double contact_pair_energy(const Model& model, const State& s, ParticleId i, ParticleId j,
                                   const Image& of_j = {}) {
-  if (!particles_touch(model.contact)) return 0.0;
+  if (!particles_touch(model.contact) || are_one_body(s, i, j, of_j)) return 0.0;
   const double R_i = model.radius[i], R_j = model.radius[j];
   const double overlap = R_i + R_j - norm(between(s, i, j, of_j)) - kept_overlap(s, i, j, of_j);
   if (!(overlap > 0.0)) return 0.0;

@@ -200,6 +200,11 @@ inline constexpr auto tables_after_terms = std::tuple{
                   "from the pivot to each of their particles as they took hold"),
             field("q", &GrippedPose::q, unit::none,
                   "orientations of these particles then, quaternions w, x, y, z")),
+    rows_of("/carried/", &State::carried, {.filed = Filed::where_any},
+            field("particle", &Carried::particle, unit::none,
+                  "particles of rigid supports; only in a stage that has some"),
+            field("body", &Carried::body, unit::none,
+                  "the rigid body that each is of, from 1: those of one do not touch each other")),
     fields_of(
         "/books/", &State::books,
         field("at_start", &EnergyBooks::at_start, unit::energy,

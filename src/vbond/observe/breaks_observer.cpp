@@ -18,7 +18,7 @@ void BreaksObserver::observe(const Simulation& run) {
   for (const BondEvent& event : run.events()) {
     if (event.kind != BondEvent::Kind::broken) continue;
     const Timing timing(*this);
-    if (loaded_ && !load) load = norm(run.reaction_before_breaks(loaded_->particles).force);
+    if (loaded_ && !load) load = norm(run.reaction(loaded_->particles, LastBreaks::counted).force);
     if (!breaks_) continue;
     Clock then = run.clock();
     then.stage_step += event.step - then.step;

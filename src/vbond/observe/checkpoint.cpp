@@ -28,11 +28,15 @@ void check_fingerprint(H5Reader& reader, const Model& model) {
         fmt::format("belongs to another case: it has {} particles, the case has {}", n, model.particles()));
   Model m;
   read_tables(reader, model_table, {.particles = n}, {}, m);
+  FirstCells at_start;
+  read_tables(reader, cell_table, {}, {}, at_start);
+  const bool another_cell = !at_start.cells.empty() && at_start.cells != first_cells(model).cells;
   const char* differs = m.units != model.units                                         ? "units"
                         : m.mass != model.mass                                         ? "masses"
                         : m.inertia != model.inertia || m.principal != model.principal ? "moments of inertia"
                         : m.radius != model.radius                                     ? "radii"
                         : m.r_0 != model.r_0                                           ? "first positions"
+                        : another_cell                                                 ? "cells at the start"
                                                                                        : nullptr;
   if (differs)
     throw IoError(fmt::format("belongs to another case, or the case was changed: its {} differ", differs));
@@ -71,6 +75,7 @@ void write_checkpoint(const std::filesystem::path& path, const Model& model, con
     Replacement file(path);
     H5Writer writer(file.part(), model.units);
     write_tables(writer, model_table, model);
+    write_tables(writer, cell_table, first_cells(model));
     write_tables(writer, state_table, state);
     write_tables(writer, watch_table, watch);
     if (under_way) write_fracture(writer, *under_way);

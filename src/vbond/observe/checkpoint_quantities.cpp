@@ -25,6 +25,7 @@ std::span<const CheckpointQuantity> checkpoint_quantities() {
     sets.push_back({rule_numbers_path, unit::none, rule_numbers_meaning});
     list(watch_table, sets);
     list(model_table, sets);
+    list(cell_table, sets);
     list(under_way_table, sets);
     return sets;
   }();

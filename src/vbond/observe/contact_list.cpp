@@ -64,7 +64,7 @@ void list_particles(const Model& model, const State& s, std::vector<ListedContac
     for (const PairMemory& m : s.contact_history) {
       const double overlap =
           model.radius[m.i] + model.radius[m.j] - norm(between(s, m.i, m.j, m.image_j)) - m.kept;
-      if (m.history[3] > 0.0 && !(overlap > 0.0))
+      if (m.history[3] > 0.0 && !(overlap > 0.0) && !are_one_body(s, m.i, m.j, m.image_j))
         list_pair(model, s, {m.i, m.j, m.image_j}, overlap, m.history, to);
     }
   std::sort(to.begin(), to.end(), [](const ListedContact& a, const ListedContact& b) {

@@ -197,7 +197,7 @@ void write_bonds_vtp(const fs::path& path, const State& state, UnitSystem units,
 }
 
 void write_part(const fs::path& folder, int part, const Simulation& run, FrameFormat format) {
-  const BodyPart own = run.part(0.0, true);
+  const BodyPart own = run.part(Show::ends_of_broken);
   const State& state = own.state;
   const auto is_here = [&own](ParticleId p) { return own.has(p) && !is_absent(own.state, p); };
   std::vector<ParticleId> particles;

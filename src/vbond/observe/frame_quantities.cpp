@@ -136,6 +136,8 @@ constexpr WallQuantity of_walls[] = {
      "in "
      "turned, with that turn",
      [](const WallView& w) { return rotation_vector(w.now.q); }},
+    {"off", unit::none, "1: the stage has taken the wall away, nothing touches it; 0: it is there",
+     [](const WallView& w) { return static_cast<std::int64_t>(w.now.off); }},
 };
 
 using Contact = ListedContact;

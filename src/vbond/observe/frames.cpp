@@ -189,7 +189,7 @@ void FrameWriter::write(const Model& model, const State& state, std::optional<do
 }
 
 void FrameWriter::write(const Simulation& run) {
-  const Exchange& all = run.exchange();
+  const Communicator& all = run.processes();
   if (all.ranks() == 1 || dumps_ || format_.stress || format_.contacts || format_.wrap)
     return write(run.model(), run.state());
   const Clock& clock = run.clock();

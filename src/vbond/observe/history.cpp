@@ -67,7 +67,7 @@ void add_means(const OutputPlan& plan, const BodyView& body, HistoryValues& to) 
   if (!stresses && plan.displacements.empty() && plan.velocities.empty()) return;
   const Model& model = body.model();
   const BodyPart part =
-      body.part(stresses && particles_touch(model.contact) ? reach_of_overlaps(model) : 0.0);
+      body.part(Show::places, stresses && particles_touch(model.contact) ? reach_of_overlaps(model) : 0.0);
   if (plan.cell) to.cell = cell_values(model, part);
   for (const Group& g : plan.displacements) to.displacements.push_back(mean_displacement(g, model, part));
   if (body.balance() == nullptr)
@@ -178,7 +178,7 @@ std::string history_header(const OutputPlan& plan) {
 HistoryValues history_values(const OutputPlan& plan, const BodyView& body) {
   const BalancePoint* const at_rest = body.balance();
   const std::vector<ParticleId> without = left_out(body.taken(), body.waiting());
-  const BodyPart bonded = body.bonded();
+  const BodyPart bonded = body.part(Show::bonds);
   HistoryValues values{
       .clock = body.clock(),
       .books = body.books(),

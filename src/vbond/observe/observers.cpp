@@ -77,7 +77,7 @@ void WatchObserver::finish(const Simulation& run, StopReason why) {
 
 void WatchObserver::look(const Simulation& run) {
   const Timing timing(*this);
-  if (const auto turn = run.fastest_turn()) watch_.look_at_turns(*turn, run.clock(), run.stage().insist);
+  if (const auto& turn = run.survey().fast_turn) watch_.look_at_turns(*turn, run.clock(), run.stage().insist);
   constexpr double deep = 0.1;  // of the radius: much more than a step that follows the contact lets happen
   watch_.look(run, [&run] { return Watch::in_wall(run.model(), run.deep().walls.deeper_than(deep)); });
 }
@@ -116,7 +116,7 @@ HistoryObserver::HistoryObserver(const OutputPlan& plan, std::optional<std::int6
 }
 
 void HistoryObserver::observe(const Simulation& run) {
-  if (run.exchange().leader_says(due_.now(run.clock()))) write(run);
+  if (run.processes().leader_says(due_.now(run.clock()))) write(run);
 }
 
 std::int64_t HistoryObserver::steps_to_next_look(const Clock& now) const {
@@ -124,7 +124,7 @@ std::int64_t HistoryObserver::steps_to_next_look(const Clock& now) const {
 }
 
 void HistoryObserver::finish(const Simulation& run, StopReason why) {
-  if (stage_done(why) && run.exchange().leader_says(due_.at_stage_end(run.clock()))) write(run);
+  if (stage_done(why) && run.processes().leader_says(due_.at_stage_end(run.clock()))) write(run);
 }
 
 void HistoryObserver::write(const BodyView& body) {
@@ -141,7 +141,7 @@ FrameObserver::FrameObserver(const OutputPlan& plan, std::optional<std::int64_t>
       due_(plan.frames_every.value(), writer_.last_step()) {}
 
 void FrameObserver::observe(const Simulation& run) {
-  if (run.exchange().leader_says(due_.now(run.clock()))) write(run);
+  if (run.processes().leader_says(due_.now(run.clock()))) write(run);
 }
 
 std::int64_t FrameObserver::steps_to_next_look(const Clock& now) const {
@@ -149,7 +149,7 @@ std::int64_t FrameObserver::steps_to_next_look(const Clock& now) const {
 }
 
 void FrameObserver::finish(const Simulation& run, StopReason why) {
-  if (stage_done(why) && run.exchange().leader_says(due_.at_stage_end(run.clock()))) write(run);
+  if (stage_done(why) && run.processes().leader_says(due_.at_stage_end(run.clock()))) write(run);
 }
 
 void FrameObserver::write(const Simulation& run) {
@@ -189,7 +189,7 @@ void TableObserver::print(const Simulation& run) {
   last_step_ = run.clock().step;
   const Timing timing(*this);
   std::optional<std::int64_t> broken;
-  if (breaks_) broken = count_broken(run.bonded());
+  if (breaks_) broken = count_broken(run.part(Show::bonds));
   std::string text =
       std::exchange(header_, Header::dynamics) == Header::dynamics ? "" : table_header(breaks_);
   text += table_row(run.clock(), run.books(), run.energies(), run.balance_error(), count_ranges(run), broken);
@@ -210,7 +210,7 @@ void ProgressObserver::observe(const Simulation& run) {
   constexpr std::chrono::milliseconds refresh(500), pulse(1000);
   const Clock& clock = run.clock();
   const bool begins = !first_step_ || clock.stage_step == 0;  // its steps may be slower than those before
-  const Exchange& all = run.exchange();
+  const Communicator& all = run.processes();
   if (all.leader_says(!begins && clock.step < next_look_)) return;  // this step was asked for by others
   const auto now = WallClock::now();
   if (!first_step_) {
@@ -219,7 +219,7 @@ void ProgressObserver::observe(const Simulation& run) {
   }
   const double seconds = std::chrono::duration<double>(now - looked_).count();
   const std::int64_t interval = begins ? 1 : progress_interval(clock.step - last_look_, seconds);
-  next_look_ = !all.leads() ? no_next_look : clock.step + std::max(interval, run.steps_between_meetings());
+  next_look_ = !all.leads() ? no_next_look : clock.step + std::max(interval, all.steps_between_meetings());
   last_look_ = clock.step;
   looked_ = now;
   if (out_ != nullptr && now - shown_ >= refresh) show_line(run, now);

@@ -171,7 +171,7 @@ void Watch::look_at_handover(const BodyView& body) {
   const double energy = body.energies().total();
   if (!(gained > much * energy)) return;
   const auto parted = [](const Bond& b) { return b.broken && b.law->crack != nullptr; };
-  if (count_bonds(body.bonded(), parted) == 0) return;
+  if (count_bonds(body.part(Show::bonds), parted) == 0) return;
   told_handover_ = true;
   if (tell_)
     tell_(fmt::format(

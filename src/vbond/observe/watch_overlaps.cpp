@@ -49,13 +49,13 @@ std::vector<Overlap> own_overlaps(const Model& m, const BodyPart& body, double p
     if (!cracked) bonded.insert({i, j, n}), bonded.insert({j, i, -n});
   });
   const std::vector<char> of_fibre = particles_of_fibres(m.particles(), s.bonds);  // looked at as capsules
-  found.erase(std::remove_if(found.begin(), found.end(),
-                             [&](const Overlap& o) {
-                               if (!of_fibre.empty() && (of_fibre[o.i.value] || of_fibre[o.j.value]))
-                                 return true;
-                               return bonded.count({o.i, o.j, o.of_j}) > 0;
-                             }),
-              found.end());
+  found.erase(
+      std::remove_if(found.begin(), found.end(),
+                     [&](const Overlap& o) {
+                       if (!of_fibre.empty() && (of_fibre[o.i.value] || of_fibre[o.j.value])) return true;
+                       return bonded.count({o.i, o.j, o.of_j}) > 0 || are_one_body(s, o.i, o.j, o.of_j);
+                     }),
+      found.end());
   return found;
 }
 
@@ -123,7 +123,7 @@ Diverged passed(const Model& m, const Encounter& e, double nearest, const State&
 
 void Watch::look_at_overlaps(const BodyView& body, double part) {
   const Model& model = body.model();
-  look_at_overlaps(model, body.part(reach_of_overlaps(model)), part, when(body));
+  look_at_overlaps(model, body.part(Show::places, reach_of_overlaps(model)), part, when(body));
 }
 
 void Watch::look_at_overlaps(const Model& model, const BodyPart& body, double part, const std::string& when) {

@@ -12,7 +12,7 @@ namespace vbond {
 
 /// What a bond breaks by. A is the area, r the radius, J and J_p the moments of its section; M_b and M_t are
 /// those at the middle of the bond, M_e the larger bending moment of its ends. Compression, N < 0, never adds
-/// to what breaks a bond, unless a strength in compression is given.
+/// to what breaks a bond, unless a strength in compression is given; of sums of stresses it takes away.
 enum class Criterion : std::uint8_t {
   none,
   stress,        ///< N/A + b M_b r/J or V/A + b |M_t| r/J_p  (Potyondy & Cundall 2004; b: Potyondy 2011)
@@ -168,7 +168,7 @@ VBOND_HD Failure<T> failure(const Strength& s, const BondStiffness<T>& c, const 
     case Criterion::mohr_coulomb: {
       const T left = one - T(s.friction) * N, beyond(1e300);
       const T per_left = where_greater(left, zero, one / left, beyond);
-      const T t = T(s.axial) * pull, bend = T(s.bending) * M, v = T(s.shear) * V * per_left,
+      const T t = T(s.axial) * N, bend = T(s.bending) * M, v = T(s.shear) * V * per_left,
               twist = T(s.torsion) * M_t * per_left;
       return {t, v, bend, twist, zero, larger(t + bend, where_greater(left, zero, v + twist, beyond))};
     }

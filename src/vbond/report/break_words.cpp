@@ -49,7 +49,7 @@ std::string stress_in_words(const BreakTold& b, UnitSystem units) {
     return told(fibre ? "4V/3A + |M_t| r/J_p" : "V/A + |M_t| r/J_p", {f.shear, f.torsion},
                 mohr_coulomb ? "c - (N/A) tan phi = " : "");
   }
-  if (mohr_coulomb)
+  if (mohr_coulomb && f.bending == 0.0)
     return fmt::format("N/A = {:.4g} of {:.4g}{}", f.tension * limit * scale, limit * scale, unit);
   return told(fibre ? "N/A + M_e r/J" : "N/A + M_b r/J", {f.tension, f.bending}, "");
 }

@@ -199,7 +199,7 @@ std::int64_t Run::step(std::int64_t n) {
 void Run::end_stage() {
   require_able();
   require(simulation_ != nullptr, "no stage of dynamics is under way");
-  simulation_->finish(StopReason::duration);
+  finish(observers_, *simulation_, StopReason::duration);
   close_stage(StopReason::duration);
 }
 
@@ -233,10 +233,8 @@ StopReason Run::steps_of_stage(std::int64_t most) {
   const std::int64_t first = clock().step;
   while (true) try {
       const StopReason why = simulation_->run(hooks_.interrupted, most - (clock().step - first));
-      if (why != StopReason::running) return why;
-      std::optional<Handover> next = simulation_->handover();
-      if (!next) return why;
-      go_on_from(std::move(*next));
+      if (why != StopReason::running || clock().step - first == most) return why;
+      go_on_from(std::move(*simulation_).handover());
     } catch (const ParticlesLost& found) {
       if (!drop(found)) throw;
     }
@@ -246,7 +244,7 @@ void Run::close_stage(StopReason why) {
   sum_up_dropped();
   tell_stage_end(why, {});
   results_.push_back(result_of_dynamics(why));
-  state_ = std::move(*simulation_).take_state();
+  state_ = std::move(*simulation_).handover().state;
   simulation_.reset();
   const auto& stage = std::get<Stage>(*stage_);
   const double time = static_cast<double>(state_.clock.stage_step) * stage.dt;
@@ -297,7 +295,7 @@ void Run::set_velocity(const std::vector<ParticleId>& particles, const Vec3d& v,
 void Run::change_motion(PerParticle<Vec3d> v, PerParticle<Vec3d> omega) {
   require(!restart_ && !under_way_, "a static stage was interrupted: it begins and ends at rest");
   if (simulation_) {
-    state_ = std::move(*simulation_).take_state();
+    state_ = std::move(*simulation_).handover().state;
     constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
     for (GripState& g : state_.grips) g.velocity = {unknown, unknown, unknown};
   }
@@ -329,7 +327,7 @@ void Run::add_load(const PointLoad& load) {
       },
       loaded);
   stage_ = std::move(loaded);
-  if (simulation_) state_ = std::move(*simulation_).take_state();
+  if (simulation_) state_ = std::move(*simulation_).handover().state;
   begin_again();
 }
 

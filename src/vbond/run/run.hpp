@@ -177,7 +177,7 @@ class Run {
   State state_;  // of no meaning while there is a simulation
   std::unique_ptr<const Stages> stages_;
   int threads_;
-  std::vector<std::shared_ptr<Observer>> observers_;
+  Observers observers_;
   RunHooks hooks_;
   Partition* partition_ = nullptr;                       // null: one process
   std::optional<AnyStage> stage_;                        // that was prepared

@@ -53,6 +53,23 @@ void check_contact(const Case& c, const Model& model, Problems& problems) {
                           "contacts need radii > 0", "give every specimen a radius, or leave out [contact]");
 }
 
+namespace {
+
+/// The rigid bodies of each stage.
+std::vector<RigidBodies> bodies_of_stages(const Case& c, const Model& model) {
+  std::vector<RigidBodies> of_stages;
+  for (const StageSpec& stage : c.stages) {
+    std::vector<Support> rigid;
+    for (const SupportSpec& s : stage.supports)
+      for (const Group& g : model.groups)
+        if (s.rigid && g.name == s.group.value) rigid.push_back({.particles = g.particles, .rigid = true});
+    of_stages.emplace_back(model.particles(), carried_by(rigid));
+  }
+  return of_stages;
+}
+
+}  // namespace
+
 void check_overlaps(const Case& c, const Built& built, const State& state, Problems& problems) {
   constexpr double most = 0.5;  // of the smaller radius, as for walls
   const auto later = [](const BondSpec& b) { return b.when != BondTime::start; };
@@ -70,6 +87,12 @@ void check_overlaps(const Case& c, const Built& built, const State& state, Probl
     if (part > most * (1.0 + 1e-9)) deep.push_back({i, j, n, part});
   });
   if (deep.empty()) return;
+  const std::vector<RigidBodies> of_stages = bodies_of_stages(c, built.model);
+  std::erase_if(deep, [&of_stages](const Deep& d) {  // they never touch
+    return !of_stages.empty() && std::all_of(of_stages.begin(), of_stages.end(), [&d](const RigidBodies& b) {
+      return b.are_one(d.i, d.j, d.of_j);
+    });
+  });
   std::set<std::tuple<ParticleId, ParticleId, Image>> pairs, bonded;
   for (const Deep& d : deep) pairs.insert(d.pair());
   for (const Bond& b : state.bonds)  // seen from either end

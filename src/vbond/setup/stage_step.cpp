@@ -99,13 +99,33 @@ void choose_step(const Case& c, const StageSpec& spec, const Model& model, const
     take_fraction(c, spec, critical, stage, problems);
 }
 
+/// A stress that is seen with what the rate before has added to it: the rates go as the powers of z with
+/// z^2 + (a + h - 1) z - h = 0, a the part of a change that a step makes, h = eta/(modulus time). Both |z| <
+/// 1 where a/2 + h < 1.
+void check_servo_against_damping(const StageSpec& spec, const Model& model, const State& state,
+                                 const Stage& stage, double a, Problems& problems) {
+  const CellServo& servo = stage.cell.servo;
+  const double eta = affine_viscosity(model.cell, state, stage.cell);
+  if (0.5 * a + eta / (servo.modulus * servo.time) < 1.0) return;
+  problems.add(
+      spec.place,
+      fmt::format("stage \"{}\": cell.servo: modulus {:.4g} times time {:.4g}", spec.name, servo.modulus,
+                  servo.time),
+      fmt::format(
+          "the damping of bonds adds up to {:.4g} of the rate to the stress that the servo sees: below "
+          "that the rate flips from step to step",
+          eta),
+      fmt::format("use a time of at least {:.3g}, better more, or less damping",
+                  2.0 * (eta / servo.modulus + 0.5 * a * servo.time)));
+}
+
 /// A cell that gives way to a stress faster than the body answers swings from step to step.
 void check_servo_of_cell(const StageSpec& spec, const Model& model, const State& state, const Stage& stage,
                          Problems& problems) {
   if (!stage.cell.any_stress() || state.bonds.empty()) return;
   const CellServo& servo = stage.cell.servo;
   const double C = affine_modulus(model.cell, state), change = C * stage.dt / (servo.modulus * servo.time);
-  if (change < 1.0) return;
+  if (change < 1.0) return check_servo_against_damping(spec, model, state, stage, change, problems);
   problems.add(
       spec.place,
       fmt::format("stage \"{}\": cell.servo: modulus {:.4g} times time {:.4g}", spec.name, servo.modulus,

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 
 namespace vbond {
@@ -52,14 +53,17 @@ void Assembly::lay_out(const std::vector<Pair>& pairs) {
   check_room_for(entries);
 
   matrix_.resize(unknowns_.size(), unknowns_.size());
+  matrix_.resizeNonZeros(static_cast<Eigen::Index>(entries));
   ++version_;
-  if (unknowns_.size() == 0) return;  // Eigen would read beyond its column pointers
-  matrix_.reserve(rows);
+  if (unknowns_.size() == 0) return;
+  std::partial_sum(rows.begin(), rows.end(), matrix_.outerIndexPtr() + 1);
   for (const ParticleId q : near.ids())
-    for (int c = first[q]; c < first[q] + free[q]; ++c)
+    for (int c = first[q]; c < first[q] + free[q]; ++c) {
+      int* row = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[c];
       for (const ParticleId p : near[q])
-        for (int r = first[p]; r < first[p] + free[p]; ++r) matrix_.insert(r, c) = 0.0;
-  matrix_.makeCompressed();
+        for (int r = first[p]; r < first[p] + free[p]; ++r) *row++ = r;
+    }
+  clear();
 }
 
 void Assembly::clear() {

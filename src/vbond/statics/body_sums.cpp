@@ -157,8 +157,15 @@ void StaticBody::lay_out() const {
   const auto add = [&pairs](const Assembly::Pair& p) { pairs.push_back(p); };
   for (const Bond& b : state_.bonds)
     if (!b.broken) for_pairs_of(unknowns_, b.i, b.j, b.image_j, add);
-  for_touching(
-      [&](ParticleId i, ParticleId j, const Image& n, double) { for_pairs_of(unknowns_, i, j, n, add); });
+  const auto add_touching = [&](ParticleId i, ParticleId j, const Image& n, double) {
+    for_pairs_of(unknowns_, i, j, n, add);
+  };
+  // a body that has come to touch itself goes on to: room for what is about to makes layouts, and factors,
+  // few
+  if (stiffness_.assembly.version() == 0)
+    for_touching(add_touching);
+  else
+    touching_.for_each_or_about_to(model_, state_, add_touching);
   for (const RestTerm* t : terms_.all()) t->add_pairs(pairs);
   lay_out_for(std::move(pairs));
 }

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "vbond/model/holds.hpp"
 #include "vbond/statics/detail/rigid.hpp"
 #include "vbond/statics/detail/rounding.hpp"
 #include "vbond/terms/walls/detail/rest_walls.hpp"
@@ -32,6 +33,25 @@ bool is_of_a_chip(const StaticBody& body, const SparseMatrix& motions, Eigen::In
 
 bool same_place(const Placement& a, const Placement& b) {
   return a.load_factor == b.load_factor && a.r == b.r && a.q == b.q && a.cell == b.cell;
+}
+
+/// How far a body is from where supports that are no grips have taken its particles since it stood elsewhere,
+/// when the load factor was less by this: along what they hold, and about what is held as a whole. About
+/// fewer axes a turn depends on the way there.
+double off_supports(const std::vector<Support>& supports, const State& from, double progress,
+                    const Placement& now, double length) {
+  double farthest = 0.0;
+  for (const Hold& h : holds_of(supports)) {
+    const Support& s = supports[h.support];
+    if (s.rigid) continue;
+    const Vec3d off = now.r[h.particle] - from.r[h.particle] - progress * s.velocity;
+    for (std::size_t dof = 0; dof < 3; ++dof)
+      if (h.held[dof]) farthest = larger(farthest, std::abs(dot(off, axis_of(h.axes.get(), dof))));
+    if (!(h.held[3] && h.held[4] && h.held[5])) continue;
+    const Quatd belongs = rotation_of(progress * s.angular_velocity) * from.q[h.particle];
+    farthest = larger(farthest, length * norm(rotation_vector(now.q[h.particle] * conjugate(belongs))));
+  }
+  return farthest;
 }
 
 }  // namespace
@@ -92,7 +112,8 @@ void BreakingBody::refuse_another_stage(const FractureUnderWay& then) const {
     body_->move(Vector::Zero(body_->unknowns().size()), here.load_factor);  // grips to where they belong
     const double length = body_->unknowns().length(), moved = distance(here, body_->placement(), length);
     body_->restore(here);
-    return moved <= near * length;
+    const double off = off_supports(stage_->supports, *begun_, here.load_factor - begun_at_, here, length);
+    return moved <= near * length && off <= near * length;
   }();
   if (fits) return;
   throw NoEquilibrium(

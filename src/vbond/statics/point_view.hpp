@@ -16,7 +16,7 @@ class PointView final : public BodyView {
 
   const Model& model() const override { return model_; }
   const State& state() const override { return point_.state; }
-  BodyPart part(double /*near*/, bool /*ends_of_broken*/) const override { return state(); }
+  BodyPart part(Show = Show::places, double /*near*/ = 0.0) const override { return state(); }
   const Survey& survey() const override {
     if (!survey_) {
       survey_ = {point_.energies, deformed_bonds(state())};
@@ -32,8 +32,9 @@ class PointView final : public BodyView {
     return *books_;
   }
   double balance_error() const override { return 0.0; }
-  Reaction reaction(const std::vector<ParticleId>& particles) const override {
-    return point_.reaction(particles);
+  Reaction reaction(const std::vector<ParticleId>& particles,
+                    LastBreaks = LastBreaks::left_out) const override {
+    return point_.reaction(particles);  // bonds that broke at rest have no loads
   }
   double mean_axial_force(const std::vector<ParticleId>& particles) const override {
     return vbond::mean_axial_force(state(), particles);

@@ -11,6 +11,7 @@
 #include "vbond/core/error.hpp"
 #include "vbond/model/capsules.hpp"
 #include "vbond/model/mistakes.hpp"
+#include "vbond/model/rigid_bodies.hpp"
 #include "vbond/model/state_table.hpp"
 #include "vbond/statics/detail/body.hpp"
 #include "vbond/statics/detail/kinds.hpp"
@@ -174,6 +175,7 @@ StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, Sta
   try {
     if (!then) {
       begin_anew(state, Anew::any_stage);
+      take_hold(model, stage.supports, state);
       Terms::for_each([&]<class T>(T) { T::begin_at_rest(stage, state); });
       refuse_bonds_that_remember(stage, state);
       refuse_contacts(model, stage, state);

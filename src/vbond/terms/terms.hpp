@@ -32,8 +32,9 @@ struct TermList {
 };
 
 /// The one list of the terms, in the order in which a step and a body at rest go over them. A strain that is
-/// imposed has all loads worked out anew: what acts on places, and what moves by itself, comes after it.
-using Terms = TermList<HeatTerm, StrainTerm, PressureTerm, WallsTerm>;
+/// imposed has all loads worked out anew, with lengths of before the step and books of its own: heat, which
+/// gives bonds those of the step's end, what acts on places, and what moves by itself, come after it.
+using Terms = TermList<StrainTerm, HeatTerm, PressureTerm, WallsTerm>;
 
 /// What the terms do in a stage, of motion or at rest.
 struct StageTerms : Terms::OfStage {};

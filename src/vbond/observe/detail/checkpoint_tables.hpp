@@ -1,5 +1,7 @@
 #pragma once
+#include <cstdint>
 #include <tuple>
+#include <vector>
 
 #include "vbond/model/field_table.hpp"
 #include "vbond/model/state_table.hpp"
@@ -62,6 +64,35 @@ inline constexpr auto model_table = std::tuple{
                   "about their principal axes; only if those of a particle differ, as are its axes"),
             field("axes", &PrincipalInertia::axes, unit::none,
                   "quaternions from the principal axes to the body")),
+};
+
+/// The cell of a model, if it has one, as a row of a table.
+struct FirstCell {
+  Vec3d a, b, c;
+  Image repeats;  // 1 along edges that do
+  std::uint32_t triangular = 0;
+  friend bool operator==(const FirstCell&, const FirstCell&) = default;
+};
+struct FirstCells {
+  std::vector<FirstCell> cells;
+};
+inline FirstCells first_cells(const Model& model) {
+  if (!model.cell.any()) return {};
+  const auto& [a, b, c] = model.cell.edges;
+  const auto& [along_a, along_b, along_c] = model.cell.periodic;
+  return {{{a, b, c, {along_a, along_b, along_c}, model.cell.triangular}}};
+}
+
+/// What must be the same of it; older checkpoints do not have it.
+inline constexpr auto cell_table = std::tuple{
+    rows_of(
+        "/model/cell_", &FirstCells::cells, {.filed = Filed::where_any},
+        field("a", &FirstCell::a, unit::length, "an edge of the cell at the start; only where there is one"),
+        field("b", &FirstCell::b, unit::length, "likewise"),
+        field("c", &FirstCell::c, unit::length, "likewise"),
+        field("repeats", &FirstCell::repeats, unit::none, "along which of them the body repeats: 1"),
+        field("triangular", &FirstCell::triangular, unit::none,
+              "1: its deformation gradient is upper triangular; 0: symmetric")),
 };
 
 }  // namespace vbond

@@ -16,6 +16,7 @@
 #include "vbond/physics/tangent.hpp"
 #include "vbond/statics/detail/assembly.hpp"
 #include "vbond/statics/detail/matrix.hpp"
+#include "vbond/statics/detail/placement.hpp"
 #include "vbond/statics/detail/rigid.hpp"
 #include "vbond/statics/detail/touching_list.hpp"
 #include "vbond/statics/detail/unknowns.hpp"
@@ -32,26 +33,8 @@ inline double way_of(const Support& s) {
   return along > 0.0 ? along : norm(s.angular_velocity);
 }
 
-/// Where all particles are, and the load factor they are there at.
-struct Placement {
-  PerParticle<Vec3d> r;
-  PerParticle<Quatd> q;
-  double load_factor = 0;
-  CellEdges cell = {};
-};
-
-/// The pose of a bond as its particles stood there.
-inline BondPose<double> bond_pose(const Bond& b, const Placement& at) {
-  return bond_pose(b, between(at.r, at.cell, b), at.q[b.i], at.q[b.j]);
-}
-
 /// What two particles that touch do to each other, j by this image, and how that changes.
 PairTangent<3> touch(const Model& m, const State& s, ParticleId i, ParticleId j, const Image& of_j);
-
-/// The largest movement of a particle between the two, or turn of one times this length. Where a cell has
-/// changed: movement beside what the cell carries all particles by, as the first one sees it, and the largest
-/// part by which an edge has changed, times this length.  [length]
-double distance(const Placement& a, const Placement& b, double length);
 
 /// A body under the supports and loads of a static stage: where it is, what is out of balance there, and how
 /// that changes with the unknowns and with the load factor f.

@@ -13,7 +13,7 @@ void MotionPressure::press(std::vector<PressedFacet> facets) {
   blocks_.assign(on_.team.blocks(), {});
   for (std::size_t k = 0; k < surfaces_.shares().size(); ++k) {
     const std::size_t row = on_.bodies.order.row[surfaces_.shares()[k].p].value;
-    blocks_[row / block_rows].push_back({row, k, {}, {}, {}});
+    blocks_[row / block_rows].push_back({{row}, k});
   }
   for (std::vector<Loaded>& block : blocks_)
     std::stable_sort(block.begin(), block.end(),
@@ -33,7 +33,7 @@ void MotionPressure::before_stage(bool) {
 
 void MotionPressure::begin_step() {
   on_.team.for_blocks([&](const Block& b) {
-    for (Loaded& l : blocks_[b.index]) l.force_before = l.force, l.place_before = on_.bodies.pose[l.row].r;
+    for (Loaded& l : blocks_[b.index]) l.begin_step(on_.bodies);
   });
 }
 
@@ -44,8 +44,7 @@ void MotionPressure::add_loads(const Block& b, double dt) {
   for (Loaded& l : blocks_[b.index]) {
     const PressedSurfaces::Share& share = surfaces_.shares()[l.share];
     const Pressure& p = surfaces_.pressure(share.pressure);
-    l.force = p.factor(t) * p.pressure * surfaces_.force(share, place);
-    on_.bodies.load[l.row].F += l.force;
+    l.add(p.factor(t) * p.pressure * surfaces_.force(share, place), on_.bodies);
   }
 }
 
@@ -53,8 +52,7 @@ void MotionPressure::end_step(double dt) {
   if (dt == 0.0) return;
   double work = 0.0;
   for (const std::vector<Loaded>& block : blocks_)
-    for (const Loaded& l : block)
-      work += 0.5 * dot(l.force_before + l.force, between(l.place_before, on_.bodies.pose[l.row].r));
+    for (const Loaded& l : block) work += l.work(on_.bodies);
   on_.books.work_loads += work;
 }
 

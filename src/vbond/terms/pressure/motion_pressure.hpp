@@ -3,13 +3,13 @@
 #include <vector>
 
 #include "vbond/dynamics/motion_term.hpp"
+#include "vbond/dynamics/working_load.hpp"
 #include "vbond/terms/pressure/pressed.hpp"
 
 namespace vbond {
 
 /// Pressures of a stage of motion. All particles move before any of their loads are added, since a facet may
-/// have corners anywhere. Their work in a step is the mean of the forces before and after it, times the way:
-/// just what the two kicks give. A particle sums up its own facets, in their order.
+/// have corners anywhere. A particle sums up its own facets, in their order.
 class MotionPressure final : public MotionTerm {
  public:
   explicit MotionPressure(const BodyInMotion& on) : on_(on) {}
@@ -25,10 +25,8 @@ class MotionPressure final : public MotionTerm {
   void end_step(double dt) override;
 
  private:
-  struct Loaded {
-    std::size_t row, share;
-    Vec3d force, force_before;
-    Vec3d place_before;
+  struct Loaded : WorkingLoad {
+    std::size_t share = 0;
   };
   void press(std::vector<PressedFacet> facets);
 

@@ -16,10 +16,11 @@ using Per = VtpInput::Per;
   throw IoError(file.string() + ": is damaged: " + why);
 }
 
-/// Where a wall is in a frame: one of its corners, and its rotation since the start.
+/// Where a wall is in a frame: one of its corners, and its rotation since the start; or that it is not there.
 struct Pose {
   Vec3d corner;
   Quatd q;
+  bool off = false;
 };
 
 /// The first corner and the first triangle of each wall, which are the same in all frames.
@@ -30,9 +31,13 @@ struct Anchors {
 std::vector<Pose> poses_in(const VtpInput& in, const Anchors& anchors) {
   const std::vector<Vec3d> points = in.vectors(Per::point, "Points"),
                            rotation = in.vectors(Per::cell, "rotation");
+  std::vector<std::int64_t> off(in.cells(), 0);  // frames of earlier versions do not tell
+  if (in.has(Per::cell, "off")) off = in.integers(Per::cell, "off");
   std::vector<Pose> poses;
-  for (std::size_t w = 0; w < anchors.corner.size(); ++w)
-    poses.push_back({points[anchors.corner[w]], rotation_of(rotation[anchors.triangle[w]])});
+  for (std::size_t w = 0; w < anchors.corner.size(); ++w) {
+    const std::size_t triangle = anchors.triangle[w];
+    poses.push_back({points[anchors.corner[w]], rotation_of(rotation[triangle]), off[triangle] != 0});
+  }
   return poses;
 }
 
@@ -91,6 +96,10 @@ Walls read_walls(const std::vector<std::filesystem::path>& files, const std::arr
     const std::vector<Pose> now = poses_in(in, anchors);
     std::vector<float>& motion = walls.motion.emplace_back();
     for (std::size_t w = 0; w < now.size(); ++w) {
+      if (now[w].off) {  // all of its corners in one point: nothing is seen of it
+        motion.insert(motion.end(), numbers_of_motion, 0.0F);
+        continue;
+      }
       const Quatd turned = now[w].q * conjugate(start[w].q);
       const Axes<double> R = axes(turned);
       const Vec3d t = now[w].corner - o - rotate(turned, start[w].corner - o);

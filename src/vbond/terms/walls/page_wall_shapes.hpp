@@ -13,7 +13,8 @@ struct Walls {
   std::vector<float> corners;            ///< x0, y0, z0, x1, ... from the origin of the sequence  [length]
   std::vector<std::uint32_t> triangles;  ///< three corners each
   std::vector<std::uint32_t> wall;       ///< of each corner
-  /// For each frame and wall a rotation, row by row, and a shift: a corner x is at R x + t.
+  /// For each frame and wall a rotation, row by row, and a shift: a corner x is at R x + t. All 0 where
+  /// a stage has taken the wall away.
   std::vector<std::vector<float>> motion;
   std::size_t left_out = 0;  ///< so many triangles are too many for a page; then there is nothing else
 };
