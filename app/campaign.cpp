@@ -97,8 +97,9 @@ Campaign open_campaign(const Case& c, Run& run, OutputPlan plan, int threads, co
   };
   campaign.plan.breaks = campaign.plan.breaks || any(can_break);
   campaign.plan.capsules = campaign.plan.capsules || any([](const Bond& b) { return b.capsule > 0.0; });
-  campaign.plan.flow =
-      campaign.plan.flow || any([](const Bond& b) { return b.law->has_rules && b.law->remembers(); });
+  campaign.plan.flow = campaign.plan.flow || any([](const Bond& b) {  // not cracks of joints that rub
+                         return b.law->has_rules && b.law->remembers() && b.law->crack == nullptr;
+                       });
   campaign.heartbeat = std::make_shared<Heartbeat>(
       run, campaign.plan, c.title, start,
       [progress = campaign.progress](const std::string& warning) { tell_beside(*progress, warning); });

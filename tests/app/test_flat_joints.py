@@ -6,7 +6,7 @@ from shutil import rmtree
 
 import pytest
 from program import (EXAMPLES, HERE, STATICS, column, expect_same, instruction_sets, lines, number, refused, stop_at,
-                     vbond, write)
+                     table, vbond, write)
 
 CASE = HERE / "flat_joints.toml"
 SHEAR = EXAMPLES / "joint_shear.toml"
@@ -39,6 +39,23 @@ def test_stopped_while_cells_crack(whole):
     assert lines("stopped/breaks.csv") < breaks, "nothing was left to crack"
     vbond("resume stopped --threads 2", env={"VBOND_SIMD": "baseline"})
     expect_same(whole, "stopped")
+
+
+def test_joints_that_are_made_in_a_later_stage(work):
+    """A pair that touches gives its repulsion up once, not with each cell; frames are the same after a stop."""
+    case = write("later.toml", CASE.read_text(), ("cells = .*", "cells = [2, 2, 2]"),
+                 ("^distance = 1.1", 'distance = 1.1\nwhen = "stage"\nstages = ["joined"]'),
+                 (r"^\[\[stage\]\]", '[[stage]]\nduration = "0.06 T0"\n[[stage]]\nname = "joined"'),
+                 (r"^\[output\]", "[time]\nstep = 1e-3\n[output]"))
+    vbond("run", case, *"-o later".split())
+    rows = table("later")
+    before = max(k for k, row in enumerate(rows) if row["bonds"] == 0)
+    given_up = column("later", "dissipated.bonding")[-1]
+    assert given_up == pytest.approx(rows[before]["contact"], rel=1e-6) and given_up > 1e-6
+    assert max(abs(row["balance_error"]) for row in rows) < 1e-4
+    stop_at(25, "later_stopped", "run", case, *"-o later_stopped".split())
+    vbond("resume later_stopped")
+    expect_same("later", "later_stopped")
 
 
 @needs_statics

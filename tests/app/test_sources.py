@@ -126,6 +126,16 @@ def test_the_same_on_other_threads_and_after_a_stop():
         expect_same("whole", f"at_{rows}")
 
 
+def test_a_source_without_a_rate_goes_on_and_runs_again_from_its_folder():
+    write("at_once.toml", TEXT, ("^rate = .*\n", ""))
+    vbond("run at_once.toml -o at_once", err="have come in")
+    stop_at(5, "at_once_5", "run", "at_once.toml", "-o", "at_once_5")
+    vbond("resume at_once_5")
+    expect_same("at_once", "at_once_5")
+    vbond("run at_once/resolved.toml -o again", err="have come in")
+    expect_same("at_once", "again")
+
+
 def test_who_finds_no_room_is_told():
     vbond("run pour.toml -o full", sets=["source[grains].count=500", "source[grains].rate=10000", "source[grains].tries=3",
                                          "stage[0].duration=1"],

@@ -1,3 +1,5 @@
+#include <optional>
+
 #include "vbond/case/keys.hpp"
 
 namespace vbond::keys {
@@ -16,6 +18,14 @@ void describe_visits(Table& t, VisitSpec& v) {
       "is done at once, and the step loop is set up anew, which takes as long as some steps");
 }
 
+void describe_rate(Table& t, double& bodies_per_time) {
+  std::optional<double> rate;
+  if (bodies_per_time > 0.0) rate = bodies_per_time;
+  t.key("rate", rate, positive(frequency), default_is("none: all are due at once"),
+        "bodies that become due per time; those that find no room wait for the next visit");
+  bodies_per_time = rate.value_or(0.0);
+}
+
 template <class Regions>
 void describe_region(Table& t, Regions& region, const std::vector<std::string>& forms) {
   t.alternatives(region, t.exactly_one(forms, region.index()), forms);
@@ -31,8 +41,7 @@ void describe(Table& t, SourceSpec& s) {
         "inside of "
         "it");
   t.key("count", s.count, number_of_bodies, required, "how many such bodies there are in all");
-  t.key("rate", s.rate, positive(frequency), default_is("none: all are due at once"),
-        "bodies that become due per time; those that find no room wait for the next visit");
+  describe_rate(t, s.rate);
   describe_visits(t, s.visits);
   describe_region(t, s.region, {"box", "sphere", "cylinder", "mesh"});
   t.key("fit", s.whole, ChoiceCodec<bool>{{"whole", "centre"}, {true, false}}, optional,

@@ -50,8 +50,8 @@ ParticleId Grips::particle_of(const Member& m, std::size_t k) const {
 
 bool Grips::stands_at(const Grip& grip, const Place& now, const State& state) const {
   for (std::size_t k = grip.first; k < grip.first + grip.support->particles.size(); ++k) {
-    if (!members_[k].moved) continue;
     const ParticleId p = particle_of(members_[k], k);
+    if (!members_[k].moved || is_absent(state, p)) continue;  // who is gone stays where it was
     const PoseRow belongs = pose_at(members_[k], now);
     if (!(state.r[p] == belongs.r && state.q[p] == belongs.q)) return false;
   }
@@ -67,11 +67,12 @@ void Grips::take_hold(Grip& grip, double s, const State& state) {
   } else {
     double weight = 0.0;
     for (const ParticleId p : support.particles) {
+      if (is_absent(state, p)) continue;
       const std::size_t row = bodies_.order.row[p].value;
       const double w = is_free_grip(support) ? bodies_.mass[row] : 1.0;
       pivot += w * state.r[p], weight += w;
     }
-    pivot = pivot / weight;
+    pivot = weight > 0.0 ? pivot / weight : state.r[support.particles.front()];
   }
   grip.state.pivot = pivot;
   grip.state.from = s;
@@ -85,15 +86,19 @@ void Grips::take_hold(Grip& grip, double s, const State& state) {
   grip.state.shift = {};
   grip.state.turn = {1, 0, 0, 0};
   grip.state.angle = 0.0;
-  find_motion(grip, pivot);
+  if (grip.free) find_motion(grip, pivot);
 }
 
-/// The body that it is, from how it took hold of its particles.
+/// The body that it is, from how it took hold of its particles: of those that are there.
 void Grips::begin_free(Grip& grip) {
   GripMass mass;
-  for (std::size_t k = grip.first; k < grip.first + grip.support->particles.size(); ++k)
-    mass.add(members_[k].as_held.arm, bodies_.mass[members_[k].row], bodies_.inertia[members_[k].row],
-             stage_.b_translation, stage_.b_rotation);
+  for (std::size_t k = grip.first; k < grip.first + grip.support->particles.size(); ++k) {
+    const std::size_t row = members_[k].row;
+    if (bodies_.mass[row] > 0.0)  // who is gone has none
+      mass.add(members_[k].as_held.arm, bodies_.mass[row], bodies_.inertia[row], stage_.b_translation,
+               stage_.b_rotation);
+  }
+  if (mass.mass == 0.0) return;  // all of them
   grip.free = Free{{grip.support->held, mass, 0.5 * stage_.dt}, {}, {}, {}, {}, {}};
   any_turn_ |= grip.free->body.turns() != FreeGrip::Turns::held;
 }

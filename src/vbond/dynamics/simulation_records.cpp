@@ -14,6 +14,15 @@
 namespace vbond {
 namespace {
 
+/// A scale for the balance of a body that does no more than follow its cell: its energies beside the flow are
+/// rounding of velocities along it.  [energy]
+double rounding_along(const Tensor& flow, const Model& model) {
+  double speed2 = 0.0;
+  for (const Vec3d& edge : model.cell.edges) speed2 += norm2(times(flow, edge));
+  const double mass = model.mass[ParticleId{0}] * static_cast<double>(model.particles());
+  return 1e3 * std::numeric_limits<double>::epsilon() * mass * speed2;
+}
+
 /// Where there is any.
 FastTurn farthest_of(const std::optional<FastTurn>& here, const Communicator& processes) {
   std::vector<FastTurn> all(here ? 1 : 0, here.value_or(FastTurn{}));
@@ -34,6 +43,7 @@ void Simulation::keep_records() {
     brought_in_.push_back(brought_in);
   else
     books.largest = std::max(books.largest, std::abs(brought_in));
+  if (flow() != nullptr) books.largest = std::max(books.largest, rounding_along(*flow(), model_));
 
   if (stage_.stops.peak) {
     PeakRecord& peak = state_.peak;

@@ -54,6 +54,7 @@ double kinetic_energy_beside_flow(const Model& model, const State& state) {
   if (state.cell.empty()) return energy;
   const Tensor L = cell_velocity_gradient(state.cell);
   for (const ParticleId p : model.mass.ids()) {
+    if (is_absent(state, p)) continue;
     const Vec3d flow = times(L, state.r[p]);
     energy += model.mass[p] * dot(flow, 0.5 * flow - state.v[p]);
   }

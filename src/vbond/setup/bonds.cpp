@@ -154,8 +154,10 @@ void make_bonds(const Case& c, std::size_t set, const Model& model, State& state
                                   pair.i.value, pair.j.value, distance, bond->capsule));
     }
     add_bond(model, *bond, recipe, state);
+    const EnergyBooks booked = state.books;  // a pair gives its repulsion up once; cells are made at rest
     for (std::size_t cell = 1; cell < cells.size(); ++cell)
       add_bond(model, *make_bond(cells[cell], site_i, site_j), recipe, state);
+    state.books = booked;
   }
   if (any_capsules(model.contact, state.bonds)) {  // what others touch changes, too
     state.books.dissipated = books.dissipated + (dissipated_by_flow(state) - flowed);
