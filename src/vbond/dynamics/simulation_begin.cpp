@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <utility>
 #include <vector>
 
+#include "vbond/core/error.hpp"
 #include "vbond/dynamics/simulation.hpp"
 #include "vbond/model/bond_sums.hpp"
 #include "vbond/model/mistakes.hpp"
@@ -32,6 +32,13 @@ const Model& consistent(const Model& model, const Stage& stage, const State& sta
   return model;
 }
 
+/// Those of others make room before there are rows and packs.
+PartBonds bonds_of_part(const Model& model, const Stage& stage, const Order& order, const Exchange* exchange,
+                        State& state, SharedByBonds& shared) {
+  if (exchange == nullptr || exchange->ranks() == 1 || knows_all(model, stage, state)) return {};
+  return keep_own_bonds(state, order, exchange->leads(), shared);
+}
+
 }  // namespace
 
 void require_able_to_begin(const Model& model, const Stage& stage, const State& state) {
@@ -56,6 +63,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
       state_(std::move(*state)),
       booked_(state_.books),
       is_part_(exchange != nullptr),
+      part_bonds_(bonds_of_part(model, stage_, share.order, exchange, state_, shared_)),
       bodies_(model, std::move(share.order)),
       images_(bodies_.order),
       exchange_(is_part_ ? *exchange : images_),
@@ -80,10 +88,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
     team_.give_images([this](const Part& p) { return images_.rows_of(p.first_block, p.last_block); });
   books_.resize(all_known().blocks());
   lost_.resize(all_known().blocks());
-  std::optional<BondsOfState> of_whole;  // until the stage has begun
   try {
-    if (is_part_ && exchange_.ranks() > 1 && !knows_all(model, stage_, state_))
-      of_whole = keep_own_bonds(state_, bonded(), bodies_.order, part_bonds_, shared_);
     const bool begun = (is_part_ && !share.begins) || state_.clock.stage_step != 0;
     if (!leads()) {  // parts add up
       booked_ = {.largest = booked_.largest};
@@ -106,9 +111,12 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
     else
       begin_stage();
     note_where_it_begins();
-    if (of_whole) has_changed();  // it was whole
+    if (part_bonds_.own_alone) has_changed();  // it was whole
+  } catch (const Diverged&) {                  // of all parts alike
+    *state = part_bonds_.own_alone ? with_all_bonds(std::move(state_), part_bonds_, shared_, exchange_)
+                                   : std::move(state_);
+    throw;
   } catch (...) {
-    if (of_whole) of_whole->give_back(state_);
     *state = std::move(state_);
     throw;
   }
