@@ -11,6 +11,7 @@
 #include "vbond/core/printable.hpp"
 #include "vbond/dynamics/kernel.hpp"
 #include "vbond/model/bond_sums.hpp"
+#include "vbond/model/present.hpp"
 #include "vbond/observe/bond_look.hpp"
 #include "vbond/observe/breaks_observer.hpp"
 #include "vbond/observe/dispersion_table.hpp"
@@ -159,42 +160,58 @@ void listen(Campaign& campaign) {
   campaign.run.set_hooks(std::move(hooks));
 }
 
+namespace {
+
+/// What this process has of the body as it is now, with the books of the whole.
+BodyPart part_of(const Campaign& campaign) {
+  const Simulation* const stage = campaign.run.simulation();
+  if (stage == nullptr) return campaign.run.current();
+  const Model& model = campaign.run.model();
+  BodyPart part =
+      stage->part(campaign.plan.cell && particles_touch(model.contact) ? reach_of_overlaps(model) : 0.0);
+  stage->books();
+  return part;
+}
+
+}  // namespace
+
 void save_summary(Campaign& campaign) {
-  campaign.run.current();  // of all processes
+  RunSummary& s = campaign.summary;
+  const BodyPart body = part_of(campaign);
+  const State& state = body.state;
+  // sums over all processes
+  if (campaign.files.breaks) (s.breaks ? *s.breaks : s.breaks.emplace()).broken = count_broken(body);
+  if (campaign.plan.cell) s.cell = summarise_cell(campaign.run.model(), body);
+  s.dissipated.clear();
+  if (!campaign.plan.losses.empty()) {
+    const bool at_rest = !s.stages.empty() && s.stages.back().statics;
+    Losses lost = at_rest ? Losses{} : state.books.lost;
+    lost += losses_by_flow(body);
+    for (const Loss cause : campaign.plan.losses) s.dissipated.emplace_back(to_text(cause), lost[cause]);
+  }
   const HistoryWriter* const history = campaign.files.history->writer();
   if (history == nullptr) return;
-  RunSummary& s = campaign.summary;
   s.energy_balance_error = history->largest_balance_error();
-  if (campaign.files.breaks) {
-    BreakSummary& breaks = s.breaks ? *s.breaks : s.breaks.emplace();
-    breaks.broken = count_broken(campaign.run.current());
+  if (s.breaks && campaign.files.breaks) {
+    BreakSummary& breaks = *s.breaks;
     breaks.first = campaign.files.breaks->record();
     breaks.peak_load = history->largest_load();
     if (const auto load = breaks.first.largest_load)
       breaks.peak_load = std::max(breaks.peak_load.value_or(0.0), *load);
   }
   s.walls.clear();
-  const std::vector<WallState>& walls = campaign.run.current().walls;
+  const std::vector<WallState>& walls = state.walls;
   for (std::size_t w = 0; w < walls.size(); ++w)
     s.walls.push_back({campaign.plan.walls[w], walls[w].force, walls[w].moment, walls[w].displacement,
                        walls[w].work, history->largest_on_walls()[w]});
-  if (campaign.plan.passage) s.passage = summarise_passage(campaign.run.model(), campaign.run.current());
-  if (campaign.plan.cell) s.cell = summarise_cell(campaign.run.model(), campaign.run.current());
-  s.dissipated.clear();
-  if (!campaign.plan.losses.empty()) {
-    const State& state = campaign.run.current();
-    const bool at_rest = !s.stages.empty() && s.stages.back().statics;
-    const Losses lost = at_rest ? losses_by_flow(state) : losses_of(state);
-    for (const Loss cause : campaign.plan.losses) s.dissipated.emplace_back(to_text(cause), lost[cause]);
-  }
+  if (campaign.plan.passage) s.passage = summarise_passage(campaign.run.model(), state);
   const WatchRecord& watched = campaign.files.watch->watch().record();
   s.ever_strained = watched.strained;
   s.ever_snapped = watched.snapped;
   s.ever_overlapping = static_cast<std::int64_t>(watched.overlapping.size());
   s.ever_stretched = static_cast<std::int64_t>(watched.stretched.size());
   if (campaign.c.watch.on_unphysical == OnUnphysical::drop)
-    s.dropped = static_cast<std::int64_t>(campaign.run.current().dropped.size()) -
-                campaign.run.current().mass.particles_out;
+    s.dropped = static_cast<std::int64_t>(state.dropped.size()) - state.mass.particles_out;
   s.too_fast = watched.fastest > WatchRecord{}.fastest ? watched.fastest : 0.0;
   s.stepping_seconds = std::max(0.0, campaign.stepping);
   s.wall_time = {{"build", campaign.building}};

@@ -27,10 +27,12 @@ struct ImageRow {
   Vec3d r;
 };
 
-/// Ghosts have what the state has that each begins with, images their places: nothing moves.
-class Process final : public Exchange {
+/// Ghosts have what the state has that each begins with, images their places: nothing moves. Base: an
+/// Exchange.
+template <class Base>
+class ProcessOf : public Base {
  public:
-  Process(Meeting& meeting, std::size_t rank) : meeting_(meeting), rank_(rank) {}
+  ProcessOf(Meeting& meeting, std::size_t rank) : meeting_(meeting), rank_(rank) {}
 
   void halo(const HaloColumns& columns) override {
     for (const ImageRow& g : images) {
@@ -48,17 +50,16 @@ class Process final : public Exchange {
   int ranks() const override { return static_cast<int>(meeting_.bytes.size()); }
   int rank() const override { return static_cast<int>(rank_); }
   std::int64_t steps_between_meetings() const override { return 64; }
-  void gather_bytes(std::span<const std::byte> mine, const Room& room) const override {
+  void gather_bytes(std::span<const std::byte> mine, const Communicator::Room& room) const override {
     meeting_.bytes[rank_] = mine;
     meeting_.all_here.arrive_and_wait();
-    std::size_t size = 0;
-    for (const auto& b : meeting_.bytes) size += b.size();
-    largest_gather = std::max(largest_gather, size);
-    std::byte* to = room(size);
-    for (const auto& b : meeting_.bytes) {
-      if (!b.empty()) std::memcpy(to, b.data(), b.size());
-      to += b.size();
-    }
+    largest_gather = std::max(largest_gather, take_all(room));
+    meeting_.all_here.arrive_and_wait();
+  }
+  void send_bytes_to_leader(std::span<const std::byte> mine, const Communicator::Room& room) const override {
+    meeting_.bytes[rank_] = mine;
+    meeting_.all_here.arrive_and_wait();
+    if (rank_ == 0) take_all(room);
     meeting_.all_here.arrive_and_wait();
   }
 
@@ -66,6 +67,16 @@ class Process final : public Exchange {
   mutable std::size_t largest_gather = 0;  ///< of all processes together  [bytes]
 
  private:
+  std::size_t take_all(const Communicator::Room& room) const {
+    std::size_t size = 0;
+    for (const auto& b : meeting_.bytes) size += b.size();
+    std::byte* to = room(size);
+    for (const auto& b : meeting_.bytes) {
+      if (!b.empty()) std::memcpy(to, b.data(), b.size());
+      to += b.size();
+    }
+    return size;
+  }
   template <class Op>
   void combine(std::span<double> x, Op op) const {
     meeting_.numbers[rank_].assign(x.begin(), x.end());
@@ -80,5 +91,6 @@ class Process final : public Exchange {
   Meeting& meeting_;
   std::size_t rank_;
 };
+using Process = ProcessOf<Exchange>;
 
 }  // namespace vbond::testing

@@ -244,7 +244,7 @@ TEST(Fragments, WithoutEndHaveNoCentre) {
   EXPECT_FALSE(m.centre[0]);
   EXPECT_NEAR(m.velocity[0].x, 0.1, 1e-15);
   EXPECT_EQ(m.centre[1], (Vec3d{1, 3, 3}));
-  FragmentsWriter(plan_in(folder), {}).write(ring.model, ring.state, 0);
+  FragmentsWriter(plan_in(folder), {}).write({}, 0, find_fragments(ring.model, ring.state), m);
   const std::string text = content_of(folder / "fragments.csv");
   EXPECT_EQ(cell(text, 1, "x"), "");
   EXPECT_EQ(number(text, 1, "particles"), 3.0);
@@ -259,10 +259,11 @@ TEST(Fragments, RowsOfTheStageThatIsGoneOnWithAreDropped) {
   std::string two;
   {
     FragmentsWriter writer(plan, {});
-    writer.write(chain.model, chain.state, 0);
-    writer.write(chain.model, chain.state, 1);
+    const Fragments fragments = find_fragments(chain.model, chain.state);
+    writer.write(chain.state.clock, 0, fragments, motion_of(chain));
+    writer.write(chain.state.clock, 1, fragments, motion_of(chain));
     two = content_of(folder / "fragments.csv");
-    writer.write(chain.model, chain.state, 2);
+    writer.write(chain.state.clock, 2, fragments, motion_of(chain));
   }
   ASSERT_EQ(lines_of(two).size(), 1u + 2 * 2);
   EXPECT_EQ(cell(two, 1, "particles"), "2");

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numeric>
 #include <string>
 #include <thread>
@@ -13,10 +14,15 @@
 
 #include "dynamics/processes.hpp"
 #include "dynamics/spheres_and_walls.hpp"
+#include "temporary_folder.hpp"
+#include "vbond/core/error.hpp"
 #include "vbond/model/capsules.hpp"
 #include "vbond/model/touching.hpp"
+#include "vbond/observe/breaks_observer.hpp"
+#include "vbond/observe/files.hpp"
 #include "vbond/observe/history.hpp"
-#include "vbond/observe/watch.hpp"
+#include "vbond/observe/observers.hpp"
+#include "vbond/run/run.hpp"
 
 namespace vbond::parts_test {
 namespace {
@@ -207,6 +213,118 @@ TEST_P(Parts, AddUpToWhatOneProcessSeesAndCollectNothing) {
   }
   EXPECT_GT(overlaps, 20u);
   EXPECT_GT(deformed, 10u);
+}
+
+// ---- what the process that leads writes for all --------------------------------------------------------
+
+/// A bar that has moved, so that bonds and contacts remember something, as a run begins with it.
+Specimen moved_bar(unsigned seed, bool touches, bool periodic) {
+  Specimen s = random_bar(seed, touches, periodic);
+  Simulation before(s.model, testing::plain_stage(0.02, 1e9), s.state);
+  for (int k = 0; k < 20; ++k) before.step();
+  s.state = std::move(before).take_state();
+  s.state.clock = {};
+  return s;
+}
+
+/// Runs work(k) in threads, which are processes that meet.
+template <class Work>
+void in_processes(std::size_t processes, Work work) {
+  std::vector<std::thread> threads;
+  for (std::size_t k = 0; k < processes; ++k) threads.emplace_back([&work, k] { work(k); });
+  for (std::thread& t : threads) t.join();
+}
+
+TEST_P(Parts, CheckpointIsThatOfTheWholeAndNobodyCollectsIt) {
+  const auto [touches, periodic] = GetParam();
+  const test::TemporaryFolder folder("vbond_parts_checkpoint");
+  const std::string none = "no checkpoint";
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    const Specimen s = moved_bar(seed, touches, periodic);
+    const std::size_t processes = 2 + seed % 2;
+    Meeting meeting(processes);
+    std::vector<std::size_t> gathered(processes);
+    std::vector<std::string> failure(processes, none);
+    in_processes(processes, [&](std::size_t k) {
+      Process process(meeting, k);
+      State mine = s.state;
+      Share share = part_of_bar(s, mine, k, processes, process.images);
+      const Simulation part(s.model, testing::plain_stage(0.02, 1e9), &mine, std::move(share), process);
+      const auto write = [&](const std::filesystem::path& path) {
+        write_checkpoint(path, s.model, part.state_of_part().value(), {}, "1.2.3");
+      };
+      write(folder / "parts.h5");
+      try {  // the others must not wait for it
+        write(folder / "missing" / "parts.h5");
+      } catch (const IoError& e) {
+        failure[k] = e.what();
+      }
+      gathered[k] = process.largest_gather;
+      const State& all = part.state();
+      EXPECT_FALSE(part.state_of_part());  // the whole is at hand
+      if (process.leads()) write_checkpoint(folder / "whole.h5", s.model, all, {}, "1.2.3");
+    });
+    EXPECT_EQ(read_all(folder / "parts.h5"), read_all(folder / "whole.h5")) << "seed " << seed;
+    for (std::size_t k = 0; k < processes; ++k) {
+      EXPECT_LT(gathered[k], s.model.particles() * sizeof(Vec3d)) << "seed " << seed;
+      EXPECT_EQ(failure[k] == none, k != 0) << failure[k];
+    }
+  }
+}
+
+/// Spreads the bar as part_of_bar does.
+class BarPartition : public testing::ProcessOf<Partition> {
+ public:
+  BarPartition(const Specimen& s, Meeting& meeting, std::size_t rank) : ProcessOf(meeting, rank), s_(s) {}
+  Share spread(const Model&, const State& state, double, bool) override {
+    State mine = state;
+    Share share =
+        part_of_bar(s_, mine, static_cast<std::size_t>(rank()), static_cast<std::size_t>(ranks()), images);
+    share.begins = true;
+    return share;
+  }
+  Share spread_anew(const Model& model, const State& state) override {
+    return spread(model, state, 0, false);
+  }
+
+ private:
+  const Specimen& s_;
+};
+
+TEST_P(Parts, EndOfTheLastStageCollectsNothingBeforeItIsAskedFor) {
+  const auto [touches, periodic] = GetParam();
+  const test::TemporaryFolder folder("vbond_parts_end");
+  const Specimen s = moved_bar(1, touches, periodic);
+  constexpr std::size_t processes = 3;
+  Meeting meeting(processes);
+  std::vector<std::size_t> gathered(processes);
+  std::vector<State> whole(processes);
+  in_processes(processes, [&](std::size_t k) {
+    BarPartition partition(s, meeting, k);
+    Stage stage = testing::plain_stage(0.02, 0.02);
+    stage.insist = true;
+    vbond::Run run(s.model, s.state, std::vector<AnyStage>{stage});
+    run.spread_over(partition);
+    OutputPlan plan = plan_of(s.model);
+    plan.folder = folder.path(), plan.overlap = 0.0;
+    plan.writes = k == 0 ? Writes::everything : Writes::own_parts;
+    const auto watch = std::make_shared<WatchObserver>(plan, nullptr);
+    run.add_observer(std::make_shared<BreaksObserver>(plan, std::nullopt, false));
+    run.add_observer(std::make_shared<CheckpointObserver>(plan, watch, "1.2.3"));
+    run.run();
+    gathered[k] = partition.largest_gather;
+    EXPECT_TRUE(run.complete());
+    whole[k] = run.state();
+    EXPECT_GE(partition.largest_gather, s.model.particles() * sizeof(Vec3d));
+  });
+  Checkpoint end = read_checkpoint(folder / "checkpoint.h5", s.model);
+  end.state.clock = whole[0].clock;  // that of the next stage
+  for (std::size_t k = 0; k < processes; ++k) {
+    EXPECT_TRUE(whole[k] == end.state) << "process " << k;
+    if (!periodic) {  // of which fragments are found in the whole body
+      EXPECT_LT(gathered[k], s.model.particles() * sizeof(Vec3d)) << "process " << k;
+    }
+  }
 }
 
 }  // namespace

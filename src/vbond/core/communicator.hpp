@@ -29,15 +29,22 @@ class Communicator {
   /// What all processes have, in their order. room(n) is where n bytes of it go.
   using Room = std::function<std::byte*(std::size_t)>;
   virtual void gather_bytes(std::span<const std::byte> mine, const Room& room) const;
+  /// The same, for the process that leads alone: the others send, and are not asked for room.
+  virtual void send_bytes_to_leader(std::span<const std::byte> mine, const Room& room) const {
+    gather_bytes(mine, room);
+  }
 
   template <class T>
   std::vector<T> gather(const std::vector<T>& mine) const {
-    static_assert(std::is_trivially_copyable_v<T>);
     std::vector<T> all;
-    gather_bytes(std::as_bytes(std::span(mine)), [&all](std::size_t bytes) {
-      all.resize(bytes / sizeof(T));
-      return std::as_writable_bytes(std::span(all)).data();
-    });
+    gather_bytes(bytes_of(mine), room_in(all));
+    return all;
+  }
+  /// Nothing on those that do not lead.
+  template <class T>
+  std::vector<T> send_to_leader(const std::vector<T>& mine) const {
+    std::vector<T> all;
+    send_bytes_to_leader(bytes_of(mine), room_in(all));
     return all;
   }
   bool any(bool here) const {
@@ -54,6 +61,20 @@ class Communicator {
   /// After so many steps of a body in motion they tell each other of failures and interruptions; who looks
   /// more often has them wait for that look alone.
   virtual std::int64_t steps_between_meetings() const { return 1; }
+
+ private:
+  template <class T>
+  static std::span<const std::byte> bytes_of(const std::vector<T>& values) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    return std::as_bytes(std::span(values));
+  }
+  template <class T>
+  static Room room_in(std::vector<T>& all) {
+    return [&all](std::size_t bytes) {
+      all.resize(bytes / sizeof(T));
+      return std::as_writable_bytes(std::span(all)).data();
+    };
+  }
 };
 
 /// The one process of a body that is not shared.

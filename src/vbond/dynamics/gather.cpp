@@ -79,11 +79,7 @@ void gather_owned(State& state, const std::vector<ParticleId>& own_particles,
     auto& of = table.in(state);
     if constexpr (is_row_table<Table>) {
       if constexpr (requires { place_of(*of.begin()); })
-        if (table.traits.known == Known::listed) {
-          of = exchange.gather(of);
-          std::stable_sort(of.begin(), of.end(),
-                           [](const auto& a, const auto& b) { return place_of(a) < place_of(b); });
-        }
+        if (table.traits.known == Known::listed) of = in_order_of_places(exchange.gather(of));
     } else {
       for_each_field(table, [&]<class Of, class Value>(const Field<Of, Value>& f) {
         if (f.traits.known != Known::by_owner) return;

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <vector>
 
 #include "vbond/dynamics/exchange.hpp"
@@ -7,6 +8,14 @@
 /// State of a whole body in all of its parts, field by field as state_table.hpp says who knows it. All
 /// parts call these in the same order.
 namespace vbond {
+
+/// What parts have listed, as the whole body has it.
+template <class Row>
+std::vector<Row> in_order_of_places(std::vector<Row> rows) {
+  std::stable_sort(rows.begin(), rows.end(),
+                   [](const Row& a, const Row& b) { return place_of(a) < place_of(b); });
+  return rows;
+}
 
 /// What parts add up becomes the sum, on all of them.
 void sum_values(State& state, const Exchange& exchange);

@@ -31,8 +31,8 @@ SentBond sent(const Bond& b, BondId name, const SharedByBonds& shared) {
   return {.name = name,
           .i = b.i,
           .j = b.j,
-          .law = place_in(shared.laws, b.law),
-          .rules = place_in(shared.rules, b.rules),
+          .law = shared.place_of_law(b),
+          .rules = shared.place_of_rules(b),
           .set = b.set,
           .broken = b.broken,
           .mode = b.mode,
@@ -65,7 +65,16 @@ Bond received(const SentBond& s, const SharedByBonds& shared) {
   return b;
 }
 
-/// What a state of the whole body has of bonds.
+/// All that a state has of bonds, taken out of it; and where it is.
+struct BondsOfState {
+  PerBond<Bond> bonds;
+  PerBond<BondHistory> history;
+  std::vector<WarmBond> warm;
+};
+BondsOfState take_bonds(State& state) {
+  return {std::exchange(state.bonds, {}), std::exchange(state.bond_history, {}),
+          std::exchange(state.warm_bonds, {})};
+}
 struct AllBonds {
   const PerBond<Bond>& bonds;
   const PerBond<BondHistory>& history;
@@ -112,6 +121,31 @@ void tell_all(std::size_t bonds, const PartBonds& part, const Exchange& exchange
   }
 }
 
+/// Gives a state those of all parts, of which each has these as its own.
+void give_all_bonds(const AllBonds& own, const PartBonds& part, const SharedByBonds& shared,
+                    const Exchange& exchange, State& whole) {
+  std::array<double, 2> sums{static_cast<double>(own.bonds.size()), own.history.empty() ? 0.0 : 1.0};
+  exchange.sum(sums);
+  const auto bonds = static_cast<std::size_t>(sums[0]);
+  whole.bonds.assign(bonds, {});
+  tell_all<SentBond>(
+      bonds, part, exchange, [&](BondId k) { return sent(own.bonds[k], part.names[k], shared); },
+      [&](const SentBond& b) { whole.bonds[b.name] = received(b, shared); });
+  whole.bond_history.assign(sums[1] > 0.0 ? bonds : 0, {});
+  struct Memory {
+    BondId name;
+    BondHistory history;
+  };
+  if (sums[1] > 0.0)
+    tell_all<Memory>(
+        bonds, part, exchange,
+        [&](BondId k) {
+          return Memory{part.names[k], k.value < own.history.size() ? own.history[k] : no_history};
+        },
+        [&](const Memory& m) { whole.bond_history[m.name] = m.history; });
+  whole.warm_bonds = in_order_of_bonds(exchange.gather(by_name(own.warm, part.names)));
+}
+
 }  // namespace
 
 void SharedByBonds::add(const Bond& b) {
@@ -121,21 +155,32 @@ void SharedByBonds::add(const Bond& b) {
     if (place_in(rules, b.rules) == rules.size()) rules.push_back(b.rules);
 }
 
-void BondsOfState::give_back(State& state) {
-  state.bonds = std::move(bonds);
-  state.bond_history = std::move(history);
-  state.warm_bonds = std::move(warm);
+std::uint32_t SharedByBonds::place_of_law(const Bond& b) const {
+  return place_in(laws, b.law);
+}
+std::uint32_t SharedByBonds::place_of_rules(const Bond& b) const {
+  return place_in(rules, b.rules);
 }
 
-BondsOfState keep_own_bonds(State& state, const BodyPart& part, const Order& order, PartBonds& bonds,
-                            SharedByBonds& shared) {
-  BondsOfState whole{std::exchange(state.bonds, {}), std::exchange(state.bond_history, {}),
-                     std::exchange(state.warm_bonds, {})};
-  bonds = {.own_alone = true, .names = {}, .others = {}};
-  take_up(
-      {whole.bonds, whole.history, whole.warm}, 0, [&part](const Bond& b) { return part.has(b); }, order,
-      state, bonds, shared);
-  return whole;
+std::vector<WarmBond> by_name(std::vector<WarmBond> warm, const PerBond<BondId>& names) {
+  for (WarmBond& w : warm) w.bond = names[w.bond];
+  return warm;
+}
+
+std::vector<WarmBond> in_order_of_bonds(std::vector<WarmBond> warm) {
+  std::sort(warm.begin(), warm.end(), [](const WarmBond& a, const WarmBond& b) { return a.bond < b.bond; });
+  return warm;
+}
+
+PartBonds keep_own_bonds(State& state, const Order& order, bool leads, SharedByBonds& shared) {
+  const BondsOfState whole = take_bonds(state);
+  const auto is_own = [&](const Bond& b) { return order.has(b.i) || (leads && is_absent(state, b.i)); };
+  const auto own = static_cast<std::size_t>(std::count_if(whole.bonds.begin(), whole.bonds.end(), is_own));
+  PartBonds bonds{.own_alone = true, .names = {}, .others = {}};
+  state.bonds.reserve(own), bonds.names.reserve(own);
+  if (!whole.history.empty()) state.bond_history.reserve(own);
+  take_up({whole.bonds, whole.history, whole.warm}, 0, is_own, order, state, bonds, shared);
+  return bonds;
 }
 
 void take_up_bonds(const State& whole, std::size_t first, const Order& order, State& state, PartBonds& bonds,
@@ -147,34 +192,20 @@ void take_up_bonds(const State& whole, std::size_t first, const Order& order, St
 
 State with_all_bonds(State& state, const PartBonds& part, const SharedByBonds& shared,
                      const Exchange& exchange) {
-  BondsOfState own{std::exchange(state.bonds, {}), std::exchange(state.bond_history, {}),
-                   std::exchange(state.warm_bonds, {})};
+  BondsOfState own = take_bonds(state);
   State whole = state;  // without a copy of these, which would be the largest part of it
-  own.give_back(state);
-  std::array<double, 2> sums{static_cast<double>(state.bonds.size()), state.bond_history.empty() ? 0.0 : 1.0};
-  exchange.sum(sums);
-  const auto bonds = static_cast<std::size_t>(sums[0]);
-  whole.bonds.assign(bonds, {});
-  tell_all<SentBond>(
-      bonds, part, exchange, [&](BondId k) { return sent(state.bonds[k], part.names[k], shared); },
-      [&](const SentBond& b) { whole.bonds[b.name] = received(b, shared); });
-  whole.bond_history.assign(sums[1] > 0.0 ? bonds : 0, {});
-  struct Memory {
-    BondId name;
-    BondHistory history;
-  };
-  if (sums[1] > 0.0)
-    tell_all<Memory>(
-        bonds, part, exchange,
-        [&](BondId k) {
-          return Memory{part.names[k], history_of_bond(state, k)};
-        },
-        [&](const Memory& m) { whole.bond_history[m.name] = m.history; });
-  std::vector<WarmBond> warm = state.warm_bonds;
-  for (WarmBond& w : warm) w.bond = part.names[w.bond];
-  whole.warm_bonds = exchange.gather(warm);
-  std::sort(whole.warm_bonds.begin(), whole.warm_bonds.end(),
-            [](const WarmBond& a, const WarmBond& b) { return a.bond < b.bond; });
+  state.bonds = std::move(own.bonds);
+  state.bond_history = std::move(own.history);
+  state.warm_bonds = std::move(own.warm);
+  give_all_bonds({state.bonds, state.bond_history, state.warm_bonds}, part, shared, exchange, whole);
+  return whole;
+}
+
+State with_all_bonds(State&& state, const PartBonds& part, const SharedByBonds& shared,
+                     const Exchange& exchange) {
+  const BondsOfState own = take_bonds(state);
+  State whole = std::move(state);
+  give_all_bonds({own.bonds, own.history, own.warm}, part, shared, exchange, whole);
   return whole;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "vbond/dynamics/exchange.hpp"
@@ -18,20 +19,28 @@ struct SharedByBonds {
   std::vector<const BondRules*> rules;
 
   void add(const Bond& bond);
+  std::uint32_t place_of_law(const Bond& bond) const;
+  std::uint32_t place_of_rules(const Bond& bond) const;
 };
 
-/// All that a state has of bonds.
-struct BondsOfState {
-  PerBond<Bond> bonds;
-  PerBond<BondHistory> history;
-  std::vector<WarmBond> warm;
-
-  void give_back(State& state);
+/// What one of several processes has of the state of a body, each bond with its first particle: for those who
+/// bring the whole together a piece at a time. Keeps references.
+struct StateOfPart {
+  /// Up to date for what is its own; what all parts add up is of the whole body.
+  const State& state;
+  std::vector<ParticleId> particles;  ///< its own, increasing; those that are absent are the leader's
+  const PerBond<BondId>& names;       ///< of its bonds, in increasing order
+  const SharedByBonds& shared;        ///< in the order in which the bonds of the whole body have them
+  const Communicator& all;
 };
 
-/// Leaves a whole state its own bonds alone, of those of a part in this order. Returns what it had.
-BondsOfState keep_own_bonds(State& state, const BodyPart& part, const Order& order, PartBonds& bonds,
-                            SharedByBonds& shared);
+/// The same with the numbers that bonds have in the whole body; and in order of these.
+std::vector<WarmBond> by_name(std::vector<WarmBond> warm, const PerBond<BondId>& names);
+std::vector<WarmBond> in_order_of_bonds(std::vector<WarmBond> warm);
+
+/// Leaves a whole state the bonds alone that are a part's own in this order; of particles that are absent,
+/// they are the leader's.
+PartBonds keep_own_bonds(State& state, const Order& order, bool leads, SharedByBonds& shared);
 
 /// Takes up what the whole body has of bonds from this one on, which are new.
 void take_up_bonds(const State& whole, std::size_t first, const Order& order, State& state, PartBonds& bonds,
@@ -40,6 +49,9 @@ void take_up_bonds(const State& whole, std::size_t first, const Order& order, St
 /// A copy of the state with the bonds of all parts, which call this together. They send each other some at a
 /// time, in the order of their numbers in the whole body.
 State with_all_bonds(State& state, const PartBonds& bonds, const SharedByBonds& shared,
+                     const Exchange& exchange);
+/// The same of a state that is not needed as it is.
+State with_all_bonds(State&& state, const PartBonds& bonds, const SharedByBonds& shared,
                      const Exchange& exchange);
 
 }  // namespace vbond

@@ -73,7 +73,7 @@ class Simulation final : public BodyView, private MotionHost {
   /// The same, and gives the state back if a stage cannot begin in it.
   Simulation(const Model& model, Stage stage, State* state, int threads = 1);
   /// A part of a body, whose other parts other processes step: it begins the stage, or goes on from a state
-  /// that has begun, of the whole body, and gives it back if that cannot be.
+  /// that has begun, of the whole body, and gives it back if it diverges as it begins.
   Simulation(const Model& model, Stage stage, State* state, Share share, Exchange& exchange);
   Simulation(const Model&&, Stage, State, int = 1) = delete;  // a temporary would be gone at the first step
   Simulation(const Model&&, Stage, State*, int = 1) = delete;
@@ -110,6 +110,10 @@ class Simulation final : public BodyView, private MotionHost {
   /// after which particles or capsules are.
   Deep deep() const { return {encounters_, capsules_, terms_.of<MotionWalls>()}; }
   const StepTimes& times() const { return times_; }  ///< where the wall time of the steps has gone
+
+  /// What this process has of state(): for those who bring the whole together at the process that leads, a
+  /// piece at a time. Nothing where each process has all bonds, or state() has been collected already.
+  std::optional<StateOfPart> state_of_part() const;
 
   // ---- its end ----
   /// state() without a copy, and what has changed in it where run() has ended for that: what another
@@ -256,6 +260,7 @@ class Simulation final : public BodyView, private MotionHost {
   double way_of_images(const CellEdges& edges) const;
   std::array<Vec3d, 3> force_on_images() const;
   void show_own() const;
+  void show_loads() const;
   State& collected() const;
   /// What state_ shows is no longer as of now.
   void has_changed() { shown_ = Shown::nothing, whole_.reset(); }
@@ -295,6 +300,8 @@ class Simulation final : public BodyView, private MotionHost {
   mutable bool books_ahead_ = true;  // booked_ has changed since state_ got the books of the whole body
   bool only_elastic_ = false;        // has_only_elastic_bonds(): a step then leaves out all the rest
   const bool is_part_;
+  SharedByBonds shared_;  // by the bonds of the whole body
+  PartBonds part_bonds_;  // what state_ has of them
   Bodies bodies_;
   CellImages images_;
   Exchange& exchange_;  // with the other parts, or with the images
@@ -329,8 +336,6 @@ class Simulation final : public BodyView, private MotionHost {
   StepTimes times_;
   // of a part
   mutable PerParticle<char> is_own_;        // for part(); empty: not asked for yet
-  PartBonds part_bonds_;                    // what state_ has of the bonds
-  SharedByBonds shared_;                    // by those of the whole body
   mutable std::optional<State> whole_;      // of the whole body, where state_ has own bonds and all is shown
   mutable std::optional<Failed> failed_;    // first of all
   std::vector<Vec3d> r_begin_;              // of the rows that it moves

@@ -1,16 +1,14 @@
 // How the simulation of a stage is set up, begins the stage, and knows its loads between steps.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <utility>
 #include <vector>
 
+#include "vbond/core/error.hpp"
 #include "vbond/dynamics/simulation.hpp"
 #include "vbond/model/bond_sums.hpp"
 #include "vbond/model/mistakes.hpp"
-#include "vbond/model/rigid_bodies.hpp"
 #include "vbond/model/state_table.hpp"
 #include "vbond/terms/heat/heat.hpp"
 
@@ -34,24 +32,12 @@ const Model& consistent(const Model& model, const Stage& stage, const State& sta
   return model;
 }
 
-/// What take_hold() changes of a state, for a stage that cannot begin.
-struct BeforeHold {
-  explicit BeforeHold(const State& s)
-      : carried(s.carried),
-        contact_history(s.contact_history),
-        books(s.books),
-        loads{s.loads, s.damping, s.local_damping} {}
-  void put_back(State& s) && {
-    s.carried = std::move(carried);
-    s.contact_history = std::move(contact_history);
-    s.books = books;
-    s.loads = std::move(loads[0]), s.damping = std::move(loads[1]), s.local_damping = std::move(loads[2]);
-  }
-  std::vector<Carried> carried;
-  std::vector<PairMemory> contact_history;
-  EnergyBooks books;
-  std::array<Loads, 3> loads;
-};
+/// Those of others make room before there are rows and packs.
+PartBonds bonds_of_part(const Model& model, const Stage& stage, const Order& order, const Exchange* exchange,
+                        State& state, SharedByBonds& shared) {
+  if (exchange == nullptr || exchange->ranks() == 1 || knows_all(model, stage, state)) return {};
+  return keep_own_bonds(state, order, exchange->leads(), shared);
+}
 
 }  // namespace
 
@@ -75,8 +61,10 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
     : model_(consistent(model, stage, *state, exchange != nullptr)),
       stage_(std::move(stage)),
       state_(std::move(*state)),
+      before_hold_(take_hold(model, stage_.supports, state_)),
       booked_(state_.books),
       is_part_(exchange != nullptr),
+      part_bonds_(bonds_of_part(model, stage_, share.order, exchange, state_, shared_)),
       bodies_(model, std::move(share.order)),
       images_(bodies_.order),
       exchange_(is_part_ ? *exchange : images_),
@@ -102,16 +90,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
   times_.threads = static_cast<int>(team_.parts().size());
   books_.resize(all_known().blocks());
   lost_.resize(all_known().blocks());
-  std::optional<BondsOfState> of_whole;  // until the stage has begun
-  std::optional<BeforeHold> before_hold;
   try {
-    if (carried_by(stage_.supports) != state_.carried) {
-      before_hold.emplace(state_);
-      take_hold(model_, stage_.supports, state_);
-      booked_ = state_.books;
-    }
-    if (is_part_ && exchange_.ranks() > 1 && !knows_all(model, stage_, state_))
-      of_whole = keep_own_bonds(state_, part(Show::bonds), bodies_.order, part_bonds_, shared_);
     const bool begun = (is_part_ && !share.begins) || state_.clock.stage_step != 0;
     if (!leads()) {  // parts add up
       booked_ = {.largest = booked_.largest};
@@ -134,10 +113,15 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
     else
       begin_stage();
     note_where_it_begins();
-    if (of_whole) has_changed();  // it was whole
+    if (part_bonds_.own_alone) has_changed();  // it was whole
+    before_hold_.reset();
+  } catch (const Diverged&) {  // of all parts alike
+    *state = part_bonds_.own_alone ? with_all_bonds(std::move(state_), part_bonds_, shared_, exchange_)
+                                   : std::move(state_);
+    if (before_hold_) std::move(*before_hold_).put_back(*state);
+    throw;
   } catch (...) {
-    if (of_whole) of_whole->give_back(state_);
-    if (before_hold) std::move(*before_hold).put_back(state_);
+    if (before_hold_) std::move(*before_hold_).put_back(state_);
     *state = std::move(state_);
     throw;
   }

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "vbond/core/error.hpp"
 #include "vbond/core/images.hpp"
 #include "vbond/dynamics/borders.hpp"
+#include "vbond/dynamics/gather.hpp"
 #include "vbond/dynamics/simulation.hpp"
 #include "vbond/model/capsules.hpp"
 
@@ -245,6 +247,34 @@ std::vector<ParticleId> Simulation::near_own(double reach) const {
   for (const ParticleId p : is_near.ids())
     if (is_near[p]) near.push_back(p);
   return near;
+}
+
+std::optional<StateOfPart> Simulation::state_of_part() const {
+  if (!part_bonds_.own_alone || shown_ == Shown::all) return std::nullopt;
+  show_own();
+  show_loads();
+  books();
+  std::vector<ParticleId> own = own_particles();
+  if (leads()) {
+    const std::vector<ParticleId> of_nobody = absent(state_);
+    own.insert(own.end(), of_nobody.begin(), of_nobody.end());
+    std::sort(own.begin(), own.end());
+  }
+  return StateOfPart{state_, std::move(own), part_bonds_.names, shared_, exchange_};
+}
+
+/// Where processes have own bonds alone, rows and packs make room for those of the others first.
+State Simulation::give_state() {
+  if (!part_bonds_.own_alone || shown_ == Shown::all) return std::move(collected());
+  show_own();
+  show_loads();
+  books();
+  const std::vector<ParticleId> own = own_particles();
+  bonds_ = {};
+  bond_index_ = {};
+  bodies_.pose = {}, bodies_.motion = {}, bodies_.load = {}, bodies_.damping = {}, bodies_.rates = {};
+  gather_owned(state_, own, {}, false, exchange_);
+  return with_all_bonds(std::move(state_), part_bonds_, shared_, exchange_);
 }
 
 }  // namespace vbond

@@ -182,11 +182,7 @@ const State& Simulation::state() const {
 State& Simulation::collected() const {
   show_own();
   if (std::exchange(shown_, Shown::all) != Shown::all) {
-    const bool loads_follow = bonds_.all_elastic() && !contacts_.are_touches() && !capsules_.any() &&
-                              !terms_.any_touching() && !damping_.is_local();
-    state_.loads = loads_follow ? Loads{} : loads();
-    state_.damping = bodies_.damping.empty() ? Loads{} : bodies_.collect(bodies_.damping);
-    state_.local_damping = bodies_.local_damping.empty() ? Loads{} : bodies_.collect(bodies_.local_damping);
+    show_loads();
     if (is_part_) gather_owned(state_, own_particles(), own_bonds(), !part_bonds_.own_alone, exchange_);
     if (part_bonds_.own_alone) whole_.emplace(with_all_bonds(state_, part_bonds_, shared_, exchange_));
   }
@@ -210,6 +206,15 @@ void Simulation::show_own() const {
   state_.fibre_history = capsules_.collect();
   terms_.write(state_);
   supports_.grips().write(state_);
+}
+
+/// Those on its own particles, where they do not follow from what the state has.
+void Simulation::show_loads() const {
+  const bool loads_follow = bonds_.all_elastic() && !contacts_.are_touches() && !capsules_.any() &&
+                            !terms_.any_touching() && !damping_.is_local();
+  state_.loads = loads_follow ? Loads{} : loads();
+  state_.damping = bodies_.damping.empty() ? Loads{} : bodies_.collect(bodies_.damping);
+  state_.local_damping = bodies_.local_damping.empty() ? Loads{} : bodies_.collect(bodies_.local_damping);
 }
 
 /// Of parts the sum of what each has booked.

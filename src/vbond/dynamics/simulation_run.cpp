@@ -102,7 +102,7 @@ bool Simulation::visit() {
 
 Handover Simulation::handover() && {
   if (visited_) return *std::exchange(visited_, {});
-  return {std::move(collected()), {}};
+  return {give_state(), {}};
 }
 
 void Simulation::take_over(Simulation& before, const Passage& passed) {

@@ -75,12 +75,11 @@ FragmentsWriter::FragmentsWriter(const OutputPlan& plan, std::optional<std::int6
              .looker = [](const auto&) { return [](const auto&) { return true; }; }},
             plan.units, stage ? std::optional(*stage - 1) : std::nullopt) {}
 
-void FragmentsWriter::write(const Model& model, const State& state, std::int64_t stage) {
-  const Fragments fragments = find_fragments(model, state, left_out(state));
-  const FragmentMotion motion = motion_of(fragments, model, state);
+void FragmentsWriter::write(const Clock& clock, std::int64_t stage, const Fragments& fragments,
+                            const FragmentMotion& motion) {
   for (std::size_t k = 0; k < fragments.all.size(); ++k)
     file_.write(cells_of(fragment_quantities(),
-                         FragmentView{state.clock, stage, static_cast<std::int64_t>(k), fragments.all[k],
+                         FragmentView{clock, stage, static_cast<std::int64_t>(k), fragments.all[k],
                                       motion.centre[k], motion.velocity[k]}));
 }
 

@@ -3,9 +3,9 @@
 #include <optional>
 
 #include "vbond/model/bond_event.hpp"
-#include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/observe/csv.hpp"
+#include "vbond/observe/fragments.hpp"
 #include "vbond/observe/plan.hpp"
 
 namespace vbond {
@@ -45,7 +45,8 @@ class FragmentsWriter {
   FragmentsWriter(const OutputPlan& plan, std::optional<std::int64_t> stage);
 
   /// The fragments at the end of this stage. Throws IoError.
-  void write(const Model& model, const State& state, std::int64_t stage);
+  void write(const Clock& clock, std::int64_t stage, const Fragments& fragments,
+             const FragmentMotion& motion);
 
  private:
   CsvWriter file_;

@@ -32,7 +32,9 @@ std::int64_t BreaksObserver::steps_to_next_look(const Clock& /*now*/) const {
 }
 
 void BreaksObserver::finish(const Simulation& run, StopReason why) {
-  if (stage_done(why)) end_stage(run.model(), run.state(), run.clock().stage);
+  if (!stage_done(why)) return;
+  const bool periodic = run.model().cell.any();  // bonds join its fragments around the cell
+  end_stage(run.model(), periodic ? BodyPart(run.state()) : run.part(), run.clock().stage);
 }
 
 void BreaksObserver::observe_balance(const BodyView& body, const BalancePoint& /*balance*/) {
@@ -40,11 +42,14 @@ void BreaksObserver::observe_balance(const BodyView& body, const BalancePoint& /
   if (loaded_) load_at_rest_[body.clock().step] = norm(body.reaction(loaded_->particles).force);
 }
 
-void BreaksObserver::end_stage(const Model& model, const State& state, std::int64_t stage) {
+void BreaksObserver::end_stage(const Model& model, const BodyPart& body, std::int64_t stage) {
   const Timing timing(*this);
   load_at_rest_.clear();
   added_at_rest_ = 0;
-  if (fragments_) fragments_->write(model, state, stage);
+  if (!fragments_ && body.is_whole()) return;
+  const Fragments fragments = find_fragments(model, body, left_out(body.state));
+  const FragmentMotion motion = motion_of(fragments, model, body);
+  if (fragments_) fragments_->write(body.state.clock, stage, fragments, motion);
 }
 
 void BreaksObserver::add_breaks_at_rest(const Clock& start, const State& state,

@@ -18,8 +18,8 @@ class BreaksObserver : public TimedObserver {
   std::int64_t steps_to_next_look(const Clock& now) const override;
   void finish(const Simulation& run, StopReason why) override;
   void observe_balance(const BodyView& body, const BalancePoint& balance) override;
-  /// The fragments at the end of a stage.
-  void end_stage(const Model& model, const State& state, std::int64_t stage);
+  /// The fragments at the end of a stage, of a body or of all parts of it, which call this together.
+  void end_stage(const Model& model, const BodyPart& body, std::int64_t stage);
   /// Bonds that a static stage has broken so far, in a state after that; start: the clock as it began. Points
   /// are its steps. Those that were added before are not added again.
   void add_breaks_at_rest(const Clock& start, const State& state, const std::vector<BrokenBond>& breaks);

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "vbond/core/error.hpp"
 #include "vbond/model/mistakes.hpp"
 #include "vbond/observe/detail/checkpoint_tables.hpp"
 #include "vbond/observe/detail/fracture_file.hpp"
+#include "vbond/observe/detail/h5_parts.hpp"
 #include "vbond/observe/detail/h5_tables.hpp"
 #include "vbond/observe/files.hpp"
 #include "vbond/observe/seal.hpp"
@@ -65,23 +67,36 @@ void check_sense(const Model& model, const State& state) {
     if (!mistakes.empty()) throw IoError("is damaged: " + mistakes.front());
 }
 
-}  // namespace
+/// A checkpoint under way: what does not change is in it, and the state comes next.
+class NewCheckpoint {
+ public:
+  NewCheckpoint(const std::filesystem::path& path, const Model& model)
+      : file_(path), writer_(file_.part(), model.units) {
+    write_tables(writer_, model_table, model);
+    write_tables(writer_, cell_table, first_cells(model));
+    write_tables(writer_, cell_table, first_cells(model));
+  }
+  H5Writer& writer() { return writer_; }
+  /// All else, after the state. It then takes the place of an older one.
+  void publish(const WatchRecord& watch, const FractureUnderWay* under_way,
+               const std::string& program_version) {
+    write_tables(writer_, watch_table, watch);
+    if (under_way) write_fracture(writer_, *under_way);
+    writer_.finish();
+    write_seal(file_.part(), under_way ? format_within_fracture : format_version, program_version);
+    file_.publish(Sync::to_disk);
+  }
 
-void write_checkpoint(const std::filesystem::path& path, const Model& model, const State& state,
-                      const WatchRecord& watch, const std::string& program_version,
-                      const FractureUnderWay* under_way) {
-  const H5Silence silence;
+ private:
+  Replacement file_;
+  H5Writer writer_;
+};
+
+/// Does the work of writing a checkpoint. Throws IoError that says what is there if it fails.
+template <class Work>
+void try_to_write(const std::filesystem::path& path, Work work) {
   try {
-    Replacement file(path);
-    H5Writer writer(file.part(), model.units);
-    write_tables(writer, model_table, model);
-    write_tables(writer, cell_table, first_cells(model));
-    write_tables(writer, state_table, state);
-    write_tables(writer, watch_table, watch);
-    if (under_way) write_fracture(writer, *under_way);
-    writer.finish();
-    write_seal(file.part(), under_way ? format_within_fracture : format_version, program_version);
-    file.publish(Sync::to_disk);
+    work();
   } catch (const IoError& e) {
     std::error_code unknown;
     const bool older = std::filesystem::exists(path, unknown);
@@ -90,6 +105,32 @@ void write_checkpoint(const std::filesystem::path& path, const Model& model, con
                          : ": there is no checkpoint, this would have been the first: ") +
                   e.what());
   }
+}
+
+}  // namespace
+
+void write_checkpoint(const std::filesystem::path& path, const Model& model, const State& state,
+                      const WatchRecord& watch, const std::string& program_version,
+                      const FractureUnderWay* under_way) {
+  const H5Silence silence;
+  try_to_write(path, [&] {
+    NewCheckpoint checkpoint(path, model);
+    write_tables(checkpoint.writer(), state_table, state);
+    checkpoint.publish(watch, under_way, program_version);
+  });
+}
+
+void write_checkpoint(const std::filesystem::path& path, const Model& model, const StateOfPart& part,
+                      const WatchRecord& watch, const std::string& program_version) {
+  try_to_write(path, [&] {
+    LeadersWork lead(part.all.leads());
+    std::optional<H5Silence> silence;
+    std::optional<NewCheckpoint> checkpoint;
+    lead([&] { silence.emplace(), checkpoint.emplace(path, model); });
+    StateInPieces(part, lead, [&]() -> H5Writer& { return checkpoint.value().writer(); }).write();
+    lead([&] { checkpoint->publish(watch, nullptr, program_version); });
+    lead.end();
+  });
 }
 
 Checkpoint read_checkpoint(const std::filesystem::path& path, const Model& model,

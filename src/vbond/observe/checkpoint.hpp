@@ -15,6 +15,7 @@ namespace vbond {
 inline constexpr std::int32_t newest_checkpoint_format = 5;
 
 struct FractureUnderWay;
+struct StateOfPart;
 
 /// All that is needed to go on as if nothing had happened: the state bit for bit, and what the watch
 /// has already reported. The model and the stages are built again from the case.
@@ -36,6 +37,11 @@ inline void write_checkpoint(const std::filesystem::path& path, const Model& mod
   write_checkpoint(path, model, checkpoint.state, checkpoint.watch, program_version,
                    checkpoint.under_way.get());
 }
+
+/// The same file, of a body that several processes share: all of them call this together. Each sends what it
+/// has, a piece at a time, to the one that leads, which writes it, and throws if it cannot.
+void write_checkpoint(const std::filesystem::path& path, const Model& model, const StateOfPart& part,
+                      const WatchRecord& watch, const std::string& program_version);
 
 /// Reads a checkpoint back. Throws IoError if the file is missing, damaged, not a checkpoint of vbond
 /// or of another format, or if it belongs to a model with other particles than this one, or if its bonds are

@@ -16,7 +16,7 @@ CheckpointObserver::CheckpointObserver(const OutputPlan& plan, std::shared_ptr<c
 
 void CheckpointObserver::observe(const Simulation& run) {
   const Clock& clock = run.clock();
-  if (due_ && clock.stage_step > 0 && due_->now(clock)) write(run.model(), run.state());
+  if (due_ && clock.stage_step > 0 && due_->now(clock)) write(run);
 }
 
 std::int64_t CheckpointObserver::steps_to_next_look(const Clock& now) const {
@@ -24,7 +24,15 @@ std::int64_t CheckpointObserver::steps_to_next_look(const Clock& now) const {
 }
 
 void CheckpointObserver::finish(const Simulation& run, StopReason /*why*/) {
-  write(run.model(), run.state());
+  write(run);
+}
+
+/// Where each process has its own share alone, they bring it together for the one that leads.
+void CheckpointObserver::write(const Simulation& run) {
+  const auto part = run.state_of_part();
+  if (!part) return write(run.model(), run.state());
+  timed([&] { write_checkpoint(path_, run.model(), *part, watch_->watch().record(), program_version_); });
+  last_step_ = run.clock().step;
 }
 
 void CheckpointObserver::write(const Model& model, const State& state, const std::filesystem::path& path) {
@@ -40,9 +48,14 @@ void CheckpointObserver::write_within(const Model& model, const State& state,
 void CheckpointObserver::write(const Model& model, const State& state, const std::filesystem::path& path,
                                const FractureUnderWay* under_way) {
   if (!writes_) return;
+  timed([&] { write_checkpoint(path, model, state, watch_->watch().record(), program_version_, under_way); });
+}
+
+template <class Work>
+void CheckpointObserver::timed(Work write) {
   const Timing timing(*this);
   const auto begun = WallClock::now();
-  write_checkpoint(path, model, state, watch_->watch().record(), program_version_, under_way);
+  write();
   written_ = WallClock::now();
   took_ = written_ - begun;
 }

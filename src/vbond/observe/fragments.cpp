@@ -184,9 +184,24 @@ Whole along_bonds(const Fragments& fragments, const State& s) {
   return whole;
 }
 
+/// Of what each part has of fragments, all of which have a centre.
+void add_up(FragmentMotion& of, const Communicator& all) {
+  std::vector<double> sums;
+  for (std::size_t k = 0; k < of.centre.size(); ++k) {
+    const Vec3d &r = of.centre[k].value(), &v = of.velocity[k];
+    sums.insert(sums.end(), {r.x, r.y, r.z, v.x, v.y, v.z});
+  }
+  all.sum(sums);
+  for (std::size_t k = 0; k < of.centre.size(); ++k) {
+    const double* const x = &sums[6 * k];
+    of.centre[k] = Vec3d{x[0], x[1], x[2]}, of.velocity[k] = {x[3], x[4], x[5]};
+  }
+}
+
 }  // namespace
 
-FragmentMotion motion_of(const Fragments& fragments, const Model& model, const State& state) {
+FragmentMotion motion_of(const Fragments& fragments, const Model& model, const BodyPart& body) {
+  const State& state = body.state;
   const std::size_t n = fragments.all.size();
   FragmentMotion of{std::vector<std::optional<Vec3d>>(n, Vec3d{}), std::vector<Vec3d>(n)};
   const Whole whole = along_bonds(fragments, state);
@@ -200,6 +215,7 @@ FragmentMotion motion_of(const Fragments& fragments, const Model& model, const S
   }
   for (std::size_t k = 0; k < n; ++k)
     if (whole.endless[k]) of.centre[k].reset();
+  if (!body.is_whole()) add_up(of, body.all);
   return of;
 }
 

@@ -40,11 +40,12 @@ FragmentCount count_fragments(const Model& model, const BodyPart& body,
 
 /// Centres of mass and their velocities, one of each for each fragment, each as a whole: with the images that
 /// bonds join, from where its lowest particle stands. No centre: it goes all through a periodic cell, and its
-/// velocity is that of its particles.  [length], [length/time]
+/// velocity is that of its particles. Of a body in parts, which is not periodic, all parts call it and get
+/// those of all fragments.  [length], [length/time]
 struct FragmentMotion {
   std::vector<std::optional<Vec3d>> centre;
   std::vector<Vec3d> velocity;
 };
-FragmentMotion motion_of(const Fragments& fragments, const Model& model, const State& state);
+FragmentMotion motion_of(const Fragments& fragments, const Model& model, const BodyPart& body);
 
 }  // namespace vbond

@@ -136,6 +136,9 @@ class CheckpointObserver : public TimedObserver {
   using WallClock = std::chrono::steady_clock;
   void write(const Model& model, const State& state, const std::filesystem::path& path,
              const FractureUnderWay* under_way);
+  void write(const Simulation& run);
+  template <class Work>
+  void timed(Work write);
 
   std::optional<std::int64_t> last_step_;
   WallClock::time_point written_ = WallClock::now();

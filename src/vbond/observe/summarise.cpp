@@ -19,8 +19,9 @@ PassageSummary summarise_passage(const Model& model, const State& state) {
   return p;
 }
 
-CellSummary summarise_cell(const Model& model, const State& state) {
-  return {{state.cell[0].along, state.cell[1].along, state.cell[2].along}, cell_values(model, state)};
+CellSummary summarise_cell(const Model& model, const BodyPart& body) {
+  const CellEdges& cell = body.state.cell;
+  return {{cell[0].along, cell[1].along, cell[2].along}, cell_values(model, body)};
 }
 
 std::vector<PhaseTime> split_steps(double seconds, const StepTimes& t) {

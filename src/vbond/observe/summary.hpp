@@ -68,7 +68,7 @@ struct CellSummary {
   CellValues values;
   friend bool operator==(const CellSummary&, const CellSummary&) = default;
 };
-CellSummary summarise_cell(const Model& model, const State& state);
+CellSummary summarise_cell(const Model& model, const BodyPart& body);
 
 /// What has come in and gone by the end of a run.
 struct PassageSummary {

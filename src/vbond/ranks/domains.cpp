@@ -105,6 +105,7 @@ void Domains::Lammps::make_box(const PerParticle<Vec3d>& all, double margin) {
 void Domains::Lammps::make_atoms(const Order& order, const PerParticle<Vec3d>& all) const {
   std::vector<int> id, type(all.size(), 1);
   std::vector<double> x;
+  id.reserve(all.size()), x.reserve(3 * all.size());
   for (const ParticleId p : order.particle) {
     id.push_back(static_cast<int>(p.value) + 1);
     x.insert(x.end(), {all[p].x, all[p].y, all[p].z});

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <exception>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -198,20 +199,41 @@ void Ranks::max(std::span<double> numbers) const {
                 MPI_COMM_WORLD);
 }
 
-void Ranks::gather_bytes(std::span<const std::byte> mine, const Room& room) const {
-  const Waiting waiting(*this);
-  std::int64_t total = static_cast<std::int64_t>(mine.size());
-  MPI_Allreduce(MPI_IN_PLACE, &total, 1, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
-  if (total > std::numeric_limits<int>::max())
+/// How many bytes each rank sends, and where they begin among those of all.
+struct Ranks::Counts {
+  std::vector<int> of_rank, first;
+  std::size_t all = 0;
+};
+
+Ranks::Counts Ranks::counts(std::size_t mine) const {
+  const auto size = static_cast<std::size_t>(size_);
+  std::vector<std::int64_t> of_all(size);
+  const auto bytes = static_cast<std::int64_t>(mine);
+  MPI_Allgather(&bytes, 1, MPI_INT64_T, of_all.data(), 1, MPI_INT64_T, MPI_COMM_WORLD);
+  if (std::accumulate(of_all.begin(), of_all.end(), std::int64_t{0}) > std::numeric_limits<int>::max())
     throw std::runtime_error(
         "the body is too large: MPI counts at most 2 GiB in one message; use vbond, which sends none");
-  const int count = static_cast<int>(mine.size());
-  std::vector<int> counts(static_cast<std::size_t>(size_)), first(counts.size());
-  MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, MPI_COMM_WORLD);
-  for (std::size_t k = 1; k < first.size(); ++k) first[k] = first[k - 1] + counts[k - 1];
-  const auto size = static_cast<std::size_t>(first.back() + counts.back());
-  MPI_Allgatherv(mine.data(), count, MPI_BYTE, room(size), counts.data(), first.data(), MPI_BYTE,
-                 MPI_COMM_WORLD);
+  Counts counts;
+  for (const std::int64_t n : of_all) {
+    counts.of_rank.push_back(static_cast<int>(n));
+    counts.first.push_back(static_cast<int>(counts.all));
+    counts.all += static_cast<std::size_t>(n);
+  }
+  return counts;
+}
+
+void Ranks::gather_bytes(std::span<const std::byte> mine, const Room& room) const {
+  const Waiting waiting(*this);
+  const Counts n = counts(mine.size());
+  MPI_Allgatherv(mine.data(), static_cast<int>(mine.size()), MPI_BYTE, room(n.all), n.of_rank.data(),
+                 n.first.data(), MPI_BYTE, MPI_COMM_WORLD);
+}
+
+void Ranks::send_bytes_to_leader(std::span<const std::byte> mine, const Room& room) const {
+  const Waiting waiting(*this);
+  const Counts n = counts(mine.size());
+  MPI_Gatherv(mine.data(), static_cast<int>(mine.size()), MPI_BYTE, leads() ? room(n.all) : nullptr,
+              n.of_rank.data(), n.first.data(), MPI_BYTE, 0, MPI_COMM_WORLD);
 }
 
 /// Nobody goes on before all know who could not.

@@ -48,10 +48,13 @@ class Ranks : public Partition {
   void sum(std::span<double> numbers) const override;
   void max(std::span<double> numbers) const override;
   void gather_bytes(std::span<const std::byte> mine, const Room& room) const override;
+  void send_bytes_to_leader(std::span<const std::byte> mine, const Room& room) const override;
   void together(const std::function<void()>& work) const override;
 
  private:
   class Waiting;
+  struct Counts;
+  Counts counts(std::size_t mine) const;
   std::string text_of_rank(int rank, std::string text) const;
   Share share_of(const Model& model, const State& state);
   double ghost_reach() const;

@@ -97,7 +97,7 @@ void Run::tell_notes_once() {
 State Run::start_of_stage() const {
   require(!simulation_ && !under_way_ && (restart_ || state_.clock.stage_step == 0),
           "the stage is under way");
-  State start = restart_ ? *restart_ : state_;
+  State start = restart_ ? *restart_ : current();
   if (!stage_) return start;
   take_back_bonds(start);
   return start;
@@ -244,8 +244,12 @@ void Run::close_stage(StopReason why) {
   sum_up_dropped();
   tell_stage_end(why, {});
   results_.push_back(result_of_dynamics(why));
-  state_ = std::move(*simulation_).handover().state;
-  simulation_.reset();
+  if (partition_ != nullptr && stage_index() + 1 == stages_->size()) {
+    end_in_parts();
+  } else {
+    state_ = std::move(*simulation_).handover().state;
+    simulation_.reset();
+  }
   const auto& stage = std::get<Stage>(*stage_);
   const double time = static_cast<double>(state_.clock.stage_step) * stage.dt;
   if (hooks_.tell)
@@ -254,6 +258,30 @@ void Run::close_stage(StopReason why) {
   end_sources();
   stage_.reset();
   begin_next_stage(state_.clock);
+}
+
+/// No stage asks for the whole body: the state is what there is to say of the end of this one, until somebody
+/// does.
+void Run::end_in_parts() {
+  const State& known = simulation_->part(Show::bonds).state;
+  State end;
+  end.clock = known.clock;
+  end.cell = known.cell;
+  end.dropped = known.dropped, end.taken = known.taken, end.waiting = known.waiting;
+  end.sources = known.sources;
+  state_ = std::move(end);
+  ended_ = std::move(simulation_);
+}
+
+const State& Run::current() const {
+  if (simulation_) return simulation_->state();
+  if (const std::unique_ptr<Simulation> last = std::move(ended_)) {
+    State whole = std::move(*last).handover().state;
+    whole.clock = state_.clock;
+    whole.sources = std::move(state_.sources);
+    state_ = std::move(whole);
+  }
+  return state_;
 }
 
 StageResult Run::result_of_dynamics(StopReason why) const {

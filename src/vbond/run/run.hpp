@@ -126,8 +126,9 @@ class Run {
   const Clock& clock() const { return simulation_ ? simulation_->clock() : state_.clock; }
   /// A copy of all that changes: what a checkpoint holds, and a Run goes on from.
   State state() const { return current(); }
-  /// The same without a copy, good until the run goes on or is changed.
-  const State& current() const { return simulation_ ? simulation_->state() : state_; }
+  /// The same without a copy, good until the run goes on or is changed. While several processes step the
+  /// body, and once after its last stage, they collect it from each other.
+  const State& current() const;
   /// The time loop of the dynamic stage under way, for energies, reactions and times; null without one.
   const Simulation* simulation() const { return simulation_.get(); }
   /// Of a stage of fracture that is under way, or was interrupted: what it knows beside state(); null: the
@@ -161,6 +162,7 @@ class Run {
                        const std::vector<BondEvent>& broken, double energy);
   void sum_up_dropped();
   void close_stage(StopReason why);
+  void end_in_parts();
   StageResult run_static();
   StageResult run_on(const StaticStage& stage);
   StageResult find_balance(const StaticStage& stage);
@@ -174,7 +176,7 @@ class Run {
   void begin_again();
 
   Model model_;
-  State state_;  // of no meaning while there is a simulation
+  mutable State state_;  // of no meaning while there is a simulation
   std::unique_ptr<const Stages> stages_;
   int threads_;
   Observers observers_;
@@ -183,9 +185,10 @@ class Run {
   std::optional<AnyStage> stage_;                        // that was prepared
   std::size_t bonds_before_ = 0, histories_before_ = 0;  // prepare()
   EnergyBooks books_before_;
-  std::optional<std::size_t> noted_stage_;  // which hooks were told of
-  std::unique_ptr<Simulation> simulation_;  // of the dynamic stage that has begun
-  std::optional<State> restart_;            // where a static stage that was interrupted begins again
+  std::optional<std::size_t> noted_stage_;     // which hooks were told of
+  std::unique_ptr<Simulation> simulation_;     // of the dynamic stage that has begun
+  mutable std::unique_ptr<Simulation> ended_;  // of the last stage, if its parts have not been collected
+  std::optional<State> restart_;               // where a static stage that was interrupted begins again
   std::shared_ptr<const FractureUnderWay> under_way_;
   std::vector<StageResult> results_;
   bool checked_ = false;

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <filesystem>
 #include <functional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -61,25 +62,46 @@ class H5Writer {
                   numbers.data()));
   }
 
+  static constexpr std::size_t rows_at_once = std::size_t{1} << 16;
+
+  /// A column of so many rows, each of the numbers of a T, that is written some rows at a time.
+  template <class T>
+  class Column {
+   public:
+    using Number = typename Stored<T>::Number;
+    static constexpr std::size_t count = Stored<T>::count;
+
+    Column(H5Writer& file, const DataSet& set, std::size_t rows)
+        : space_(space_of(rows)), data_(file.make<Number>(set, space_)) {}
+    /// The numbers of the rows from `first` on.
+    void write(std::size_t first, std::span<const Number> numbers) {
+      const std::array<hsize_t, 2> from{first, 0}, piece{numbers.size() / count, count};
+      const H5Handle here = space_of(piece[0]);
+      must(H5Sselect_hyperslab(space_.get(), H5S_SELECT_SET, from.data(), nullptr, piece.data(), nullptr));
+      must(H5Dwrite(data_.get(), file_type<Number>(), here.get(), space_.get(), H5P_DEFAULT, numbers.data()));
+    }
+
+   private:
+    static H5Handle space_of(hsize_t rows) {
+      const std::array<hsize_t, 2> size{rows, count};
+      return {H5Screate_simple(count > 1 ? 2 : 1, size.data(), nullptr), H5Sclose};
+    }
+    H5Handle space_, data_;
+  };
+
   /// member: a pointer to a member of the rows, or what gives a value of one; its numbers are a column.
   template <class Rows, class Member>
   void of_each(const DataSet& set, const Rows& rows, Member member) {
     using T = std::remove_cvref_t<std::invoke_result_t<Member, decltype(*rows.begin())>>;
-    using Number = typename Stored<T>::Number;
-    constexpr std::size_t count = Stored<T>::count;
-    constexpr int dimensions = count > 1 ? 2 : 1;
-    const std::array<hsize_t, 2> size{rows.size(), count};
-    const H5Handle space(H5Screate_simple(dimensions, size.data(), nullptr), H5Sclose);
-    const H5Handle data = make<Number>(set, space);
-    std::vector<Number> numbers(std::min(rows.size(), rows_at_once) * count);
+    Column<T> column(*this, set, rows.size());
+    std::vector<typename Column<T>::Number> numbers;
     auto row = rows.begin();
     for (std::size_t first = 0; first < rows.size(); first += rows_at_once) {
-      const std::array<hsize_t, 2> from{first, 0}, piece{std::min(rows_at_once, rows.size() - first), count};
-      for (std::size_t k = 0; k < piece[0]; ++k, ++row)
-        Stored<T>::put(std::invoke(member, *row), &numbers[k * count]);
-      const H5Handle here(H5Screate_simple(dimensions, piece.data(), nullptr), H5Sclose);
-      must(H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, from.data(), nullptr, piece.data(), nullptr));
-      must(H5Dwrite(data.get(), file_type<Number>(), here.get(), space.get(), H5P_DEFAULT, numbers.data()));
+      const std::size_t here = std::min(rows_at_once, rows.size() - first);
+      numbers.resize(here * Column<T>::count);
+      for (std::size_t k = 0; k < here; ++k, ++row)
+        Stored<T>::put(std::invoke(member, *row), &numbers[k * Column<T>::count]);
+      column.write(first, numbers);
     }
   }
 
@@ -91,8 +113,6 @@ class H5Writer {
   }
 
  private:
-  static constexpr std::size_t rows_at_once = std::size_t{1} << 16;
-
   static H5Handle create(const H5Stream& stream) {
     const H5Handle room_for_seal(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
     must(H5Pset_userblock(room_for_seal.get(), seal_size));

@@ -24,6 +24,19 @@ inline constexpr const char* rule_numbers_meaning =
 /// The laws that a file may name.
 using KnownLaws = std::span<const BondLaw* const>;
 
+/// How the number of a bond's law, and that of its rules, lie in a file.
+using LawNumber = std::uint8_t;
+using RulesNumber = std::uint32_t;
+
+inline void write_laws(H5Writer& file, const std::vector<const BondLaw*>& laws) {
+  file.of_each({law_names_path, unit::none, law_names_meaning}, laws,
+               [](const BondLaw* law) { return law_name(law->name); });
+}
+inline void write_rules(H5Writer& file, const std::vector<const BondRules*>& rules) {
+  file.of_each({rule_numbers_path, unit::none, rule_numbers_meaning}, rules,
+               [](const BondRules* r) { return numbers_of(*r); });
+}
+
 /// Different values of a member, in the order in which rows have them, and for each row the number of its
 /// own.
 template <class Number, class Rows, class Row, class Shared>
@@ -57,16 +70,14 @@ void write_column(H5Writer& file, const DataSet& set, const Rows& rows, Value Ro
 }
 template <class Rows>
 void write_column(H5Writer& file, const DataSet& set, const Rows& rows, const BondLaw* Bond::*member) {
-  const auto [laws, numbers] = numbered<std::uint8_t>(rows, member);
-  file.of_each({law_names_path, unit::none, law_names_meaning}, laws,
-               [](const BondLaw* law) { return law_name(law->name); });
+  const auto [laws, numbers] = numbered<LawNumber>(rows, member);
+  write_laws(file, laws);
   file.of_each(set, numbers, std::identity{});
 }
 template <class Rows>
 void write_column(H5Writer& file, const DataSet& set, const Rows& rows, const BondRules* Bond::*member) {
-  const auto [rules, numbers] = numbered<std::uint32_t>(rows, member);
-  file.of_each({rule_numbers_path, unit::none, rule_numbers_meaning}, rules,
-               [](const BondRules* r) { return numbers_of(*r); });
+  const auto [rules, numbers] = numbered<RulesNumber>(rows, member);
+  write_rules(file, rules);
   file.of_each(set, numbers, std::identity{});
 }
 
@@ -91,7 +102,7 @@ void read_column(H5Reader& file, const std::string& path, KnownLaws known, Rows&
     if (laws.back() == nullptr)
       throw IoError(fmt::format("has bonds of a law \"{}\" that this program does not know", text_of(name)));
   }
-  give_numbered<std::uint8_t>(file, path, laws, rows, member);
+  give_numbered<LawNumber>(file, path, laws, rows, member);
 }
 template <class Rows>
 void read_column(H5Reader& file, const std::string& path, KnownLaws, Rows& rows,
@@ -104,7 +115,7 @@ void read_column(H5Reader& file, const std::string& path, KnownLaws, Rows& rows,
     if (!read) throw IoError("is damaged: rules of bonds that cannot be");
     rules.push_back(&kept(*read));
   }
-  give_numbered<std::uint32_t>(file, path, rules, rows, member);
+  give_numbered<RulesNumber>(file, path, rules, rows, member);
 }
 /// After those in the body of i.
 template <class Rows>

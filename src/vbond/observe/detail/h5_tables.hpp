@@ -41,29 +41,35 @@ void put_back(const std::vector<Row>& from, std::map<Key, Row>& to) {
   for (const Row& row : from) to[place_of(row)] = row;
 }
 
+template <class Table, class Rows>
+void write_rows(H5Writer& file, const Table& table, const Rows& of) {
+  using Of = typename Table::Of;
+  if (table.traits.filed == Filed::where_any && of.empty()) return;
+  const auto& rows = in_order(of);
+  for_each_field(table, [&](const auto& f) {
+    const auto as_new = [&](const Of& row) { return row.*f.value == Of{}.*f.value; };
+    if (f.traits.filed == Filed::always || !std::all_of(rows.begin(), rows.end(), as_new))
+      write_column(file, data_set(table, f), rows, f.value);
+  });
+}
+
+template <class Table, class Of, class Value>
+void write_field(H5Writer& file, const Table& table, const Field<Of, Value>& f, const Value& value) {
+  if (f.traits.filed == Filed::where_any && value == Of{}.*f.value) return;
+  if constexpr (is_column<Value>)
+    file.of_each(data_set(table, f), value, std::identity{});
+  else
+    file(data_set(table, f), value);
+}
+
 template <class... Tables, class Whole>
 void write_tables(H5Writer& file, const std::tuple<Tables...>& tables, const Whole& whole) {
   for_each_table(tables, [&]<class Table>(const Table& table) {
     const auto& of = table.in(whole);
-    using Of = typename Table::Of;
-    if constexpr (is_row_table<Table>) {
-      if (table.traits.filed == Filed::where_any && of.empty()) return;
-      const auto& rows = in_order(of);
-      for_each_field(table, [&](const auto& f) {
-        const auto as_new = [&](const Of& row) { return row.*f.value == Of{}.*f.value; };
-        if (f.traits.filed == Filed::always || !std::all_of(rows.begin(), rows.end(), as_new))
-          write_column(file, data_set(table, f), rows, f.value);
-      });
-    } else {
-      for_each_field(table, [&]<class Value>(const Field<Of, Value>& f) {
-        const Value& value = of.*f.value;
-        if (f.traits.filed == Filed::where_any && value == Of{}.*f.value) return;
-        if constexpr (is_column<Value>)
-          file.of_each(data_set(table, f), value, std::identity{});
-        else
-          file(data_set(table, f), value);
-      });
-    }
+    if constexpr (is_row_table<Table>)
+      write_rows(file, table, of);
+    else
+      for_each_field(table, [&](const auto& f) { write_field(file, table, f, of.*f.value); });
   });
 }
 
