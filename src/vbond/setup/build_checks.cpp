@@ -62,7 +62,10 @@ std::vector<RigidBodies> bodies_of_stages(const Case& c, const Model& model) {
     std::vector<Support> rigid;
     for (const SupportSpec& s : stage.supports)
       for (const Group& g : model.groups)
-        if (s.rigid && g.name == s.group.value) rigid.push_back({.particles = g.particles, .rigid = true});
+        if (s.rigid && g.name == s.group.value) {
+          Support& body = rigid.emplace_back();
+          body.particles = g.particles, body.rigid = true;
+        }
     of_stages.emplace_back(model.particles(), carried_by(rigid));
   }
   return of_stages;
