@@ -35,6 +35,7 @@
 #include "vbond/model/drop.hpp"
 #include "vbond/model/loads.hpp"
 #include "vbond/model/model.hpp"
+#include "vbond/model/rigid_bodies.hpp"
 #include "vbond/model/stage.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/terms/motion_terms.hpp"
@@ -262,6 +263,7 @@ class Simulation final : public BodyView, private MotionHost {
   void show_own() const;
   void show_loads() const;
   State& collected() const;
+  State give_state();
   /// What state_ shows is no longer as of now.
   void has_changed() { shown_ = Shown::nothing, whole_.reset(); }
   void show_ends_of_broken() const;
@@ -295,6 +297,7 @@ class Simulation final : public BodyView, private MotionHost {
   const Stage stage_;
   enum class Shown : std::uint8_t { nothing, own, all };  // what state_ has of places and memories as of now
   mutable State state_;
+  std::optional<BeforeHold> before_hold_;  // until the stage has begun
   mutable Shown shown_ = Shown::all;
   mutable EnergyBooks booked_;       // here: of a part its share, but for the largest energy
   mutable bool books_ahead_ = true;  // booked_ has changed since state_ got the books of the whole body

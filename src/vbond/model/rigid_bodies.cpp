@@ -62,9 +62,23 @@ RigidBodies::RigidBodies(std::size_t particles, const std::vector<Carried>& carr
   for (const Carried& c : carried) body_[c.particle] = c.body;
 }
 
-void take_hold(const Model& model, const std::vector<Support>& supports, State& s) {
+BeforeHold::BeforeHold(const State& s)
+    : carried_(s.carried),
+      contact_history_(s.contact_history),
+      books_(s.books),
+      loads_{s.loads, s.damping, s.local_damping} {}
+
+void BeforeHold::put_back(State& s) && {
+  s.carried = std::move(carried_);
+  s.contact_history = std::move(contact_history_);
+  s.books = books_;
+  s.loads = std::move(loads_[0]), s.damping = std::move(loads_[1]), s.local_damping = std::move(loads_[2]);
+}
+
+std::optional<BeforeHold> take_hold(const Model& model, const std::vector<Support>& supports, State& s) {
   std::vector<Carried> carried = carried_by(supports);
-  if (carried == s.carried) return;
+  if (carried == s.carried) return std::nullopt;
+  BeforeHold before_hold(s);
   const RigidBodies before(model.particles(), s.carried), now(model.particles(), carried);
   s.carried.clear();  // so that all pairs are seen
   double gained = 0.0;
@@ -86,6 +100,7 @@ void take_hold(const Model& model, const std::vector<Support>& supports, State& 
   s.carried = std::move(carried);
   s.books.work_supports += gained;
   s.loads = s.damping = s.local_damping = {};  // of a stage under way that is given other supports
+  return before_hold;
 }
 
 }  // namespace vbond

@@ -1,5 +1,7 @@
 #pragma once
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "vbond/model/model.hpp"
@@ -28,10 +30,23 @@ class RigidBodies {
   PerParticle<std::int64_t> body_;  // from 1; 0: of none. Empty: there are none
 };
 
+/// What take_hold() changes of a state, for a stage that cannot begin.
+class BeforeHold {
+ public:
+  explicit BeforeHold(const State& s);
+  void put_back(State& s) &&;
+
+ private:
+  std::vector<Carried> carried_;
+  std::vector<PairMemory> contact_history_;
+  EnergyBooks books_;
+  std::array<Loads, 3> loads_;
+};
+
 /// The bodies of a stage that begins take the place of those of the stage before. Energy of contacts that are
 /// left out or come back by this is booked as work of supports. What a pair remembers is kept while it is out
 /// of contact, along the axes of its first particle, so that it turns with the body; the damping of its last
-/// step is not. Nothing happens if the state has these bodies already.
-void take_hold(const Model& model, const std::vector<Support>& supports, State& state);
+/// step is not. Nothing happens if the state has these bodies already. Takes the state of a whole body.
+std::optional<BeforeHold> take_hold(const Model& model, const std::vector<Support>& supports, State& state);
 
 }  // namespace vbond
