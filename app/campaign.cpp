@@ -167,8 +167,8 @@ BodyPart part_of(const Campaign& campaign) {
   const Simulation* const stage = campaign.run.simulation();
   if (stage == nullptr) return campaign.run.current();
   const Model& model = campaign.run.model();
-  BodyPart part =
-      stage->part(campaign.plan.cell && particles_touch(model.contact) ? reach_of_overlaps(model) : 0.0);
+  BodyPart part = stage->part(
+      Show::places, campaign.plan.cell && particles_touch(model.contact) ? reach_of_overlaps(model) : 0.0);
   stage->books();
   return part;
 }

@@ -47,7 +47,7 @@ State moved(const Specimen& s, const Stage& stage, double& worst) {
     Simulation run(s.model, stage, std::move(state));
     const StopReason why = run.run();
     worst = std::max(worst, std::abs(run.balance_error()));
-    state = std::move(run).take_state();
+    state = std::move(run).handover().state;
     if (why == StopReason::duration) return state;
   }
 }

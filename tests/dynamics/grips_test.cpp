@@ -26,7 +26,7 @@ Support grip(std::vector<ParticleId> particles, const Vec3d& velocity, const Vec
 }
 
 /// Unbonded particles of different masses anywhere within 2 of (5, 0, 0), turned anyhow.
-Specimen cloud(std::size_t n) {
+Specimen scattered(std::size_t n) {
   Dice dice(7);
   std::vector<Vec3d> r;
   for (std::size_t k = 0; k < n; ++k) r.push_back({dice(3, 7), dice(-2, 2), dice(-2, 2)});
@@ -47,7 +47,7 @@ double turn_between(const Quatd& a, const Quatd& b) {
 // tangent, and nothing adds up. The angle of 63 rad is known to 7e-15, at 5 from the pivot; the factor 3 is
 // for the products of quaternions.
 TEST(Grips, TurnTenTimesOnTheCircle) {
-  Specimen s = cloud(300);  // three blocks
+  Specimen s = scattered(300);  // three blocks
   const Vec3d pivot{1, 2, -0.5}, V{0.01, -0.02, 0.005}, axis = normalised(Vec3d{1, 2, 2});
   const double T = 100.0;
   const Vec3d W = (20.0 * M_PI / T) * axis;
@@ -77,7 +77,7 @@ TEST(Grips, TurnTenTimesOnTheCircle) {
 // A factor that changes: the angle is the integral of the factor, exactly. Without a pivot the group turns
 // about its middle, which stays where it is.
 TEST(Grips, FollowTheirFactorAboutTheirMiddle) {
-  Specimen s = cloud(9);
+  Specimen s = scattered(9);
   Stage stage = testing::plain_stage(0.01, 8.0);
   stage.supports = {grip(s.model.groups[0].particles, {}, {0, 0, 0.5})};
   stage.supports[0].factor.points = {{1, 0}, {2, 2}, {3, 2}, {5, -1}, {6, 0}};
@@ -103,7 +103,7 @@ double kinetic(const Model& m, const State& s) {
 // Brought up to speed and kept there: all that the grip does is in the kinetic energy, also half way round,
 // where the velocities of all its particles have changed their direction.
 TEST(Grips, WorkIsTheKineticEnergyTheyGive) {
-  Specimen s = cloud(200);
+  Specimen s = scattered(200);
   Stage stage = testing::plain_stage(0.02, 10.0);
   stage.supports = {grip(s.model.groups[0].particles, {0.1, 0, 0}, {0, 0.4, 0.3}, Vec3d{5, 1, 0})};
   stage.supports[0].factor.points = {{0, 0}, {4, 1}};
@@ -207,7 +207,7 @@ TEST(Grips, GoOnFromAnyStepBitForBit) {
 
 // A grip that is given another motion on the way goes on from where it is.
 TEST(Grips, TakeHoldAnewWhenTheirMotionChanges) {
-  Specimen s = cloud(5);
+  Specimen s = scattered(5);
   Stage stage = testing::plain_stage(0.1, 10.0);
   stage.supports = {grip(s.model.groups[0].particles, {0.1, 0, 0}, {0, 0, 0.2}, Vec3d{5, 0, 0})};
   Simulation first(s.model, stage, s.state);
@@ -259,7 +259,7 @@ TEST(Grips, MayOverlapWhereTheyAgree) {
 
 // A total force is shared by mass: particles apart from each other go together, as one body would.
 TEST(TotalLoads, MoveAGroupAsOne) {
-  Specimen s = cloud(8);
+  Specimen s = scattered(8);
   double mass = 0.0;
   for (const double m : s.model.mass) mass += m;
   Stage stage = testing::plain_stage(0.1, 5.0);

@@ -120,7 +120,7 @@ TEST(RigidContacts, EnergyOfContactsThatComeBackIsWorkOfSupports) {
       }
       run.run();
       EXPECT_LT(std::abs(run.balance_error()), 1e-4) << static_cast<int>(contact.law) << held;
-      state = std::move(run).take_state();
+      state = std::move(run).handover().state;
       begin_next_stage(state.clock);
     }
   }
@@ -163,7 +163,7 @@ TEST(RigidContacts, OverlapThatIsKeptStaysKept) {
   in_body.run();
   Simulation resumed(s.model, stage_of({grip(first(2), nothing)}, 0.04), in_body.state());
   resumed.run();
-  State state = std::move(resumed).take_state();
+  State state = std::move(resumed).handover().state;
   ASSERT_EQ(state.contact_history.size(), 1u);
   begin_next_stage(state.clock);
   Simulation free(s.model, stage_of({}, 0.1), state);

@@ -222,7 +222,7 @@ Specimen moved_bar(unsigned seed, bool touches, bool periodic) {
   Specimen s = random_bar(seed, touches, periodic);
   Simulation before(s.model, testing::plain_stage(0.02, 1e9), s.state);
   for (int k = 0; k < 20; ++k) before.step();
-  s.state = std::move(before).take_state();
+  s.state = std::move(before).handover().state;
   s.state.clock = {};
   return s;
 }

@@ -187,7 +187,7 @@ TEST(Drop, BitsDoNotDependOnThreads) {
     shot.stage.stops.duration = 250.0 * shot.stage.dt;
     Watched w(shot.s, shot.stage, threads);
     w.run.step(245);
-    EXPECT_EQ(w.run.simulation()->threads(), threads);
+    EXPECT_EQ(w.run.simulation()->times().threads, threads);
     const State s = w.run.state();
     EXPECT_FALSE(s.dropped.empty());
     if (!first) first = s;
