@@ -74,7 +74,6 @@ class NewCheckpoint {
       : file_(path), writer_(file_.part(), model.units) {
     write_tables(writer_, model_table, model);
     write_tables(writer_, cell_table, first_cells(model));
-    write_tables(writer_, cell_table, first_cells(model));
   }
   H5Writer& writer() { return writer_; }
   /// All else, after the state. It then takes the place of an older one.
