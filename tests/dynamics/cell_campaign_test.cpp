@@ -157,8 +157,14 @@ Verdict compare(const Simulation& run, Tally& tally) {
                                                         (1.0 + std::abs(plain.energy));
   Tensor kinetic;
   const Tensor L = cell_velocity_gradient(s.cell);
+  Vec3d drift;
+  double mass = 0.0;
   for (const ParticleId p : s.v.ids()) {
-    const Vec3d c = s.v[p] - times(L, s.r[p]);
+    drift += run.model().mass[p] * (s.v[p] - times(L, s.r[p]));
+    mass += run.model().mass[p];
+  }
+  for (const ParticleId p : s.v.ids()) {
+    const Vec3d c = s.v[p] - times(L, s.r[p]) - drift / mass;
     kinetic += dyad(-run.model().mass[p] * c, c);
   }
   const Tensor stress = cell_stress(run.model(), s);

@@ -9,6 +9,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "dynamics/processes.hpp"
 #include "specimen.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/dynamics/simulation.hpp"
@@ -287,7 +288,9 @@ TEST(ProgressObserver, WaitsUntilProcessesMeetAnyway) {
   alone.observe(run);
   EXPECT_EQ(alone.steps_to_next_look(run.clock()), 1);
   State begun = run.state();
-  const Simulation part(chain.model, two_stages()[1], &begun, {spatial_order(chain.model.r_0)}, one_rank());
+  testing::Meeting meeting(1);
+  testing::Process process(meeting, 0);
+  const Simulation part(chain.model, two_stages()[1], &begun, {spatial_order(chain.model.r_0)}, process);
   of_parts.observe(part);
   EXPECT_EQ(of_parts.steps_to_next_look(part.clock()), part.processes().steps_between_meetings());
   EXPECT_GT(part.processes().steps_between_meetings(), 1);
