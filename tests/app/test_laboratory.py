@@ -225,7 +225,7 @@ vessel = [{box = {min = [0, 0, 0], max = ["9 mm", "9 mm", "18 mm"]}}]
 grains = [{radii = ["0.8 mm", "1.2 mm"]}]
 jammed = true
 density = "2600 kg/m^3"
-seed = 5
+seed = 3
 [[bonds]]
 gap_factor = 1.1
 theory = "parallel"
@@ -245,11 +245,11 @@ duration = 1e-6
 
 def test_a_grain_that_comes_off_the_skin_is_no_failure(work):
     said, result = test_case("triaxial", ROCK, "--pressure", "30 MPa", folder="skin")
-    assert "and bears what pressure drives it: translation along x of particle 154," in said.err
-    # it came off at 48.1 MPa; the body bears half as much again, with several breaks before
-    assert result["peak"]["stress"] > 1.4 * 48.1e6
+    assert "and bears what pressure drives it: translation along x of particle 167," in said.err
+    # it came off at 99.8 MPa; the body bears half as much again, with several breaks before
+    assert result["peak"]["stress"] > 1.4 * 99.8e6
     assert result["breaks_before_peak"] > 10
-    # a piece with a fifteenth of the mass comes off at last
+    # another piece comes off at last
     assert result["ended"] == "parted"
     assert any("the strength may be larger" in note for note in result["notes"]), result["notes"]
 
@@ -271,13 +271,13 @@ def test_columns_under_pressure_fail_together(work):
 
 
 def test_drop_under_pressure_is_of_the_force(work):
-    # The run ends once a fifth of the force is lost. The deviator is that force over the area and a constant, 4 MPa: of it less
+    # The run ends once an eighth of the force is lost. The deviator is that force over the area and a constant, 4 MPa: of it less
     # is lost, and the peak is one all the same.
     body = (EXAMPLES / "rock_core.toml").read_text()
-    _, r = test_case("triaxial", body, "--drop", "0.2", "--pressure", "20 MPa", folder="drop")
+    _, r = test_case("triaxial", body, "--drop", "0.12", "--pressure", "20 MPa", folder="drop")
     assert r["ended"] == "load drop" and r["strength"] == r["largest"]["stress"]
     lost = 1 - table("drop/run")[-1]["reaction.test_lower.fz"] / r["peak"]["force"]
-    assert 0.199 < lost and lost * r["peak"]["force"] * r["stress_per_force"] < 0.2 * r["strength"]
+    assert 0.119 < lost and lost * r["peak"]["force"] * r["stress_per_force"] < 0.12 * r["strength"]
 
 
 def test_envelope_of_two_pressures(work):

@@ -121,8 +121,8 @@ def test_one_strength_is_one_common_factor_and_few_tests(work, option, name, ask
 
 
 def test_a_ratio_beyond_reach_is_refused_with_the_nearest(work):
-    said = calibrate(ROCK, "--tensile", "9 MPa", "--compressive", "900 MPa", "-o", "beyond", status=1,
-                     err=["compressive over tensile strength = 100 cannot be had", "ratios from", "moment_share (now 0.1)", "gap_factor",
+    said = calibrate(ROCK.replace("moment_share = 0.1", "moment_share = 0.5"), "--tensile", "9 MPa", "--compressive", "900 MPa", "-o", "beyond", status=1,
+                     err=["compressive over tensile strength = 100 cannot be had", "ratios from", "moment_share (now 0.5)", "gap_factor",
                           "flat_joint", "the nearest that was found takes"])
     found = result("beyond")
     ratios = [e["ratio"] for e in found["evaluations"] if e["ratio"]]
@@ -156,7 +156,7 @@ def test_in_motion_each_test_finds_its_strain(work):
     assert found["evaluations"][0]["folders"] == ["01-compression", "01-compression-2"]
     first, last = result("moving/01-compression"), result(Path("moving", found["evaluations"][-1]["folders"][-1]))
     assert first["end_strain"] == 0.08 and first["strength"] is None
-    assert last["inertia"]["quasi_static"] and 0.3 < last["peak"]["strain"] / last["end_strain"] < 0.7
+    assert last["inertia"]["quasi_static"] and 0.2 < last["peak"]["strain"] / last["end_strain"] < 0.7
     assert last["strength"] == found["evaluations"][-1]["compressive"]
 
 

@@ -130,7 +130,7 @@ CellMotion::Virial CellMotion::virial(const Team& team, const Tensor& L) const {
   exchange_.sum(all);
   for (std::size_t k = 0; k < 9; ++k) component(sum.row[k / 3], static_cast<int>(k % 3)) = all[k];
   momentum = {all[9], all[10], all[11]};
-  const Tensor drift = dyad(momentum / all[12], momentum);
+  const Tensor drift = all[12] > 0.0 ? dyad(momentum / all[12], momentum) : Tensor{};
   Tensor stress = -1.0 * sum;
   stress += drift;
   return {stress, drift};
