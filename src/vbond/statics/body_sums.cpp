@@ -160,8 +160,7 @@ void StaticBody::lay_out() const {
   const auto add_touching = [&](ParticleId i, ParticleId j, const Image& n, double) {
     for_pairs_of(unknowns_, i, j, n, add);
   };
-  // a body that has come to touch itself goes on to: room for what is about to makes layouts, and factors,
-  // few
+  // a body that has come to touch itself soon touches at more places: room for these saves factors
   if (stiffness_.assembly.version() == 0)
     for_touching(add_touching);
   else
