@@ -45,7 +45,7 @@ def body(state: Any, displacements: np.ndarray | None = None, axes: Any = None) 
 
     axes = _axes(axes, projection="3d")
     axes.add_collection3d(Line3DCollection(np.stack(_ends(state, at), axis=1)[holds]))
-    axes.auto_scale_xyz(*at.T)
+    axes.auto_scale_xyz(*at[state.there].T)
     return axes
 
 
@@ -53,7 +53,7 @@ def mode(state: Any, mode: Any, size: float | None = None, axes: Any = None) -> 
     """A mode of vibration or buckling as the displaced body; size: of its largest translation [length], by default a
     tenth of the body."""
     if size is None:
-        size = 0.1 * float(np.ptp(state.positions, axis=0).max())
+        size = 0.1 * float(np.ptp(state.positions[state.there], axis=0).max())
     return body(state, size * mode.translation, axes)
 
 
