@@ -16,7 +16,7 @@
 namespace vbond {
 
 /// The ranks of MPI, which has begun, as the processes that step a body. Each of them makes the same Run,
-/// with the whole body, and steps its part of it (Run::spread_over). All ranks call these functions at
+/// with all particles, and steps its part of it (Run::spread_over). All ranks call these functions at
 /// the same time; each may call alone those that say so.
 class Ranks : public Partition {
  public:
