@@ -106,12 +106,11 @@ std::string data_file(const Case& c, const Model& model, const State& state, con
 std::string input_file(const Case& c, const Model& model, const BondList& list, const Stage& stage) {
   const double longest = longest_reach(model, list);
   const bool breaks = std::any_of(list.bonds.begin(), list.bonds.end(), can_break);
-  const double steps = std::ceil(stage.stops.duration / stage.dt);
   return fmt::format(
       R"(# {title}, exported by vbond: bodies, bonds and velocities. Supports, loads and contacts are yours to add.
 # lmp -in body.lammps, with the packages BPM, MOLECULE and PLUGIN, and the folder of vbondplugin.so in
 # LAMMPS_PLUGIN_PATH
-variable      steps index {steps:.0f}     # -var steps N
+variable      steps index {steps}     # -var steps N
 units         {units}
 atom_style    bpm/sphere
 boundary      s s s
@@ -132,7 +131,9 @@ thermo_modify norm no lost/bond ignore
 thermo        $(ceil(v_steps/10))
 run           ${{steps}}
 )",
-      fmt::arg("title", printable(c.title)), fmt::arg("steps", std::isfinite(steps) ? steps : 1000.0),
+      fmt::arg("title", printable(c.title)),
+      fmt::arg("steps",
+               std::isfinite(stage.stops.duration) ? steps_in(stage.stops.duration, stage.dt) : 1000),
       fmt::arg("units", model.units == UnitSystem::si ? "si" : "lj"), fmt::arg("cutoff", 2.0 * longest),
       fmt::arg("skin", 0.3 * longest), fmt::arg("longest", longest),
       fmt::arg("breaks", breaks ? "yes" : "no"), fmt::arg("dt", stage.dt));

@@ -13,6 +13,7 @@
 #include "interpreter.hpp"
 #include "recorder.hpp"
 #include "vbond/model/energies.hpp"
+#include "vbond/model/periodic_cell.hpp"
 #include "vbond/observe/observers.hpp"
 #include "vbond/run/memory_needed.hpp"
 #include "vbond/run/plan_output.hpp"
@@ -82,6 +83,7 @@ class PyRun {
     auto velocities = vectors(v, n, "velocities");
     inner().set_velocities(
         velocities, omega.is_none() ? inner().current().omega : vectors(omega, n, "angular_velocities"));
+    moves_anew_ = true;
   }
   void add_load(const std::variant<std::string, std::vector<std::int64_t>>& particles,
                 const py::object& force, const py::object& moment) {
@@ -101,15 +103,14 @@ class PyRun {
   py::dict energies() {
     require_idle("energies");
     const Simulation* dynamics = inner().simulation();
-    const Energies e =
-        dynamics != nullptr ? dynamics->energies() : potential_energies(inner().model(), inner().current());
+    const Energies e = dynamics != nullptr ? dynamics->energies() : between_stages();
     const EnergyBooks& books = dynamics != nullptr ? dynamics->books() : inner().current().books;
     using namespace py::literals;
-    return py::dict("kinetic_translation"_a = e.kinetic_translation,
-                    "kinetic_rotation"_a = e.kinetic_rotation, "U_L"_a = e.U_L, "U_B"_a = e.U_B,
-                    "U_T"_a = e.U_T, "contact"_a = e.contact, "dissipated"_a = books.dissipated,
-                    "released"_a = books.released, "work_loads"_a = books.work_loads,
-                    "work_supports"_a = books.work_supports);
+    return py::dict(
+        "kinetic_translation"_a = e.kinetic_translation, "kinetic_rotation"_a = e.kinetic_rotation,
+        "U_L"_a = e.U_L, "U_B"_a = e.U_B, "U_T"_a = e.U_T, "contact"_a = e.contact,
+        "dissipated"_a = books.dissipated, "released"_a = books.released, "work_loads"_a = books.work_loads,
+        "work_supports"_a = books.work_supports, "inserted"_a = books.inserted, "removed"_a = books.removed);
   }
   py::tuple loads() {
     require_idle("loads");
@@ -167,6 +168,9 @@ class PyRun {
     RunHooks hooks;
     hooks.tell = tell;
     hooks.interrupted = [this] { return interruption_.asked(); };
+    hooks.stage_end = [this](const Simulation& ended, StopReason, const std::string&) {
+      at_end_ = ended.energies(), moves_anew_ = false;
+    };
     run->set_hooks(std::move(hooks));
     notes_ = std::move(built.notes);
     case_ = std::move(c);
@@ -217,6 +221,19 @@ class PyRun {
     return *run_;
   }
   std::size_t stage_now() const { return inner().stage_index(); }
+
+  /// Those of the end of the stage before, if it was one of motion, with the velocities of now.
+  Energies between_stages() const {
+    if (at_end_ && !moves_anew_) return *at_end_;
+    const Model& model = inner().model();
+    State moving = inner().state(), turning = moving;
+    Energies e = at_end_ ? *at_end_ : potential_energies(model, moving);
+    for (Vec3d& omega : moving.omega) omega = {};
+    for (Vec3d& v : turning.v) v = {};
+    e.kinetic_translation = kinetic_energy_beside_flow(model, moving);
+    e.kinetic_rotation = kinetic_energy(model, turning);
+    return e;
+  }
 
   std::int64_t steps(std::int64_t n) {
     std::int64_t made = 0;
@@ -283,6 +300,7 @@ class PyRun {
     }
     StageResult result;
     interruption_.begin_anew();
+    if (!inner().complete() && is_static(inner().stages().kind(stage_now()))) at_end_.reset();
     {
       const WithoutLock others;
       result = inner().run_stage();
@@ -322,6 +340,8 @@ class PyRun {
   std::shared_ptr<Recorder> recorder_;
   std::vector<Callback> callbacks_;
   Interruption interruption_;
+  std::optional<Energies> at_end_;  // of the stage before, if it was one of motion
+  bool moves_anew_ = false;         // velocities were set since
   std::atomic<bool> busy_ = false;
   bool in_callback_ = false;
   int threads_ = 1;
@@ -384,8 +404,10 @@ void bind_run(py::module_& m) {
       .def_property_readonly("state", &PyRun::state,
                              "The body as it stands: a State, which stays as it is when the run goes on. A "
                              "copy, made once per step.")
-      .def_property_readonly("energies", &PyRun::energies,
-                             "Where the energy is, and what has come in and gone, as a dict [energy].")
+      .def_property_readonly(
+          "energies", &PyRun::energies,
+          "Where the energy is, and what has come in and gone, as a dict [energy]; between "
+          "two stages as the last one ended.")
       .def_property_readonly("loads", &PyRun::loads,
                              "Forces (n, 3) and moments (n, 3) on the particles now, as a pair; of a stage "
                              "of dynamics under way.")

@@ -123,6 +123,16 @@ void bind_state(py::module_& m) {
           },
           "(n,) [length]")
       .def_property_readonly(
+          "there",
+          [](const Snapshot& s) {
+            std::vector<std::uint8_t> there;
+            for (const ParticleId p : s.state->r.ids()) there.push_back(!is_absent(*s.state, p));
+            return py::array(copy(there)).attr("astype")("bool");
+          },
+          "Which particles are there, (n,): not those whose body has not come in yet, and not those that a "
+          "sink "
+          "has taken or that were dropped. Numbers of the others mean nothing")
+      .def_property_readonly(
           "time", [](const Snapshot& s) { return s.state->clock.time(); }, "Of the run [time]")
       .def_property_readonly(
           "step", [](const Snapshot& s) { return s.state->clock.step; }, "Steps since the start of the run")

@@ -84,3 +84,26 @@ def test_temperatures_are_there_where_particles_are_heated(keys):
     run = vbond.Run(vbond.Case.from_dict(keys))
     run.run()
     assert run.state.temperatures.tolist() == [2.0] * 10
+
+
+def test_particles_that_have_not_come_in_or_are_gone_are_told():
+    keys = {
+        "specimen": [{"name": "ball", "kind": "list", "positions": [[0, 0, 9]], "radius": 0.4, "mass": 1.0},
+                     {"name": "drop", "kind": "list", "positions": [[0, 0, 0], [0.9, 0, 0]], "radius": 0.4, "mass": 1.0}],
+        "contact": {"law": "linear", "k": 100.0},
+        "source": [{"name": "rain", "specimen": "drop", "count": 2, "rate": 20.0, "every": 0.1,
+                    "box": {"min": [-2, -2, 5], "max": [2, 2, 7]}, "velocity": [0, 0, -10]}],
+        "sink": [{"box": {"min": [-3, -3, -9], "max": [3, 3, 3]}, "every": 0.1}],
+        "time": {"step": 0.01},
+        "stage": [{"duration": 1.0}],
+        "output": {"history": {"every": 0.1}},
+    }
+    run = vbond.Run(vbond.Case.from_dict(keys))
+    counts = []
+    run.on_step(10, lambda now: counts.append(now.state.there.sum()))
+    run.step(0)
+    assert run.state.there.tolist() == [True, *[False] * (len(run.state) - 1)]
+    run.run()
+    assert run.state.there.dtype == bool and max(counts) > 1
+    assert run.state.there.tolist() == [True, *[False] * (len(run.state) - 1)]
+    assert [1, *counts, 1] == run.history["particles"].tolist()

@@ -7,6 +7,6 @@ from campaign import campaign
 
 @pytest.mark.filterwarnings("ignore::vbond.RunWarning")
 def test_random_cases_are_as_the_program_computes_them():
-    counts = campaign(cases=16, seed=7)
+    counts = campaign(cases=8, seed=7)
     assert counts["wrong"] == 0
-    assert counts["same"] >= 12
+    assert counts["same"] >= 6

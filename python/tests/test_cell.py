@@ -30,6 +30,21 @@ def at(state, pairs):
     return r[pairs["j"]] + pairs["image_j"] @ state.cell - r[pairs["i"]]
 
 
+def test_pictures_draw_bonds_to_the_images_that_they_join(periodic):
+    pytest.importorskip("matplotlib").use("Agg")
+    periodic["bonds"][0]["strength"] = {"criterion": "linear", "axial_force": 0.02, "shear_force": 1, "bending_moment": 1,
+                                        "torque": 1}
+    run = vbond.Run(vbond.Case.from_dict(periodic))
+    lines = vbond.plots.body(run.state).collections[0]._segments3d
+    assert len(lines) == len(run.state.bonds["i"]) and np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1).max() < 1.1
+    run.run()
+    state = run.state
+    broken = state.bonds["broken"]
+    points = np.array(vbond.plots.cracks(state).collections[-1]._offsets3d).T
+    middles = state.positions[state.bonds["i"]] + 0.5 * at(state, state.bonds)
+    assert broken.any() and points == pytest.approx(middles[broken])
+
+
 def test_the_cell_is_that_of_the_run(periodic):
     run = vbond.Run(vbond.Case.from_dict(periodic))
     assert run.state.cell.tolist() == [[4, 0, 0], [1, 4, 0], [0, 0, 4]]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import vbond
-from conftest import rod_keys
+from conftest import clamp, rod_keys
 from vbond import plots
 
 
@@ -98,6 +98,38 @@ def test_keys_of_a_sweep_go_together(tmp_path):
 def test_a_case_is_changed_again_and_again():
     case = vbond.Case.from_dict(rod_keys(3)).changed({"bonds[0]": rod_keys(3)["bonds"][0]})
     assert case.changed({"bonds[0].nu": 0.3}).changed({"bonds[0].nu": 0.4}).text.count("nu = 0.4")
+    whole = {"bonds[0]": rod_keys(3)["bonds"][0]}
+    assert "\nnu = 0.2" in case.changed({"bonds[0].nu": 0.3}).changed(whole).text
+
+
+def test_what_is_varied_is_the_case_as_given_and_not_defaults_that_follow_from_it(tmp_path):
+    keys = rod_keys(3)
+    keys["bonds"][0]["theory"] = "timoshenko"  # its shear factor follows from nu
+    (tmp_path / "rod.csv").write_text("x,y,z\n0,0,0\n1,0,0\n2,0,0\n")
+    keys["specimen"] = [{"kind": "csv", "file": "rod.csv", "radius": 0.4, "mass": 1.0}]
+    keys["groups"] = {"root": {"indices": [0]}, "tip": {"indices": [2]}}
+    case = vbond.Case.from_dict(keys, tmp_path).changed({"stage[fly].duration": "1 T0", "stage[0].damping.translation": 0.1})
+    points = [(0.1, 0.2), (0.4, 0.3)]
+
+    def energy_at(case, nu, diameter):
+        run = vbond.Run(case.changed({"bonds[0].nu": nu, "bonds[0].section.diameter": diameter}))
+        run.run()
+        return run.history["U_B"][-1]
+
+    rows = vbond.sweep(case, tmp_path / "sweep", {"bonds[0].nu,bonds[0].section.diameter": points})
+    of_same_stages = case.with_stages(vbond.Case.from_text(case.text).keys["stage"])
+    for row, point in zip(rows, points, strict=True):
+        assert row["history.U_B"] == energy_at(case, *point) == energy_at(of_same_stages, *point) > 0
+
+    bend = case.with_stages([{"kind": "equilibrium", "name": "bend", "steps": 2, "supports": [{**clamp, "group": "root"}],
+                              "loads": [{"group": "tip", "force": [0, 1e-6, 0]}]}])
+    bend = bend.changed({"output.history.displacements": ["tip"]})
+    (tmp_path / "bent.csv").write_text("load_factor,w\n0,0\n0.5,1e-4\n1,2e-4\n")
+    found = vbond.fit(bend, tmp_path / "bent.csv", tmp_path / "fitted.toml", ["bonds[0].section.diameter"], "load_factor",
+                      {"displacement.tip.y": "w"})
+    again = vbond.Run(vbond.Case.from_file(tmp_path / "fitted.toml"))
+    again.run()
+    assert found["values"][0]["value"] != 0.2 and again.history["displacement.tip.y"][-1] == pytest.approx(2e-4, rel=1e-3)
 
 
 def test_pictures(out, run):
@@ -168,6 +200,7 @@ def test_a_fit_is_the_result_as_a_dict(tmp_path):
     low, high = found["values"][0]["interval_95"]
     assert low < 3.67e10 < high
     assert vbond.fit(*asked, sigma=[5e-5]) == found
-    assert vbond.Case.from_file(tmp_path / "fitted.toml").keys["bonds"][0]["k_n"] == pytest.approx(found["values"][0]["value"])
+    k_n, unit = vbond.Case.from_file(tmp_path / "fitted.toml").keys["bonds"][0]["k_n"].split()
+    assert float(k_n) == pytest.approx(found["values"][0]["value"]) and unit == "N/m^3"
     with pytest.raises(vbond.ProgramError, match="no column"):
         vbond.fit(*asked[:2], tmp_path / "other.toml", asked[3], "load_factor", {"displacement.last.z": "z"})

@@ -46,6 +46,40 @@ def test_energies_are_conserved_and_are_those_of_the_history(run):
     assert np.ptp(total) < 1e-2 * total[0]
 
 
+def test_energies_before_between_and_after_stages_are_those_of_rows_there(keys):
+    keys["specimen"].append({"kind": "list", "name": "balls", "positions": [[0, 3, 0.35], [0, 3.9, 0.4]],
+                             "radius": 0.4, "mass": 1.0})
+    keys["wall"] = [{"name": "floor", "shape": "plane", "point": [0, 0, 0], "normal": [0, 0, 1]}]
+    keys["contact"] = {"law": "linear", "k": 1.0, "tangential": "linear", "k_t": 0.5, "friction": 0.5}
+    keys["specimen"][0].update(name="rod", origin=[0, 0, 2])
+    keys["bonds"][0]["between"] = ["rod", "rod"]
+    keys["velocities"].append({"group": "balls", "velocity": [0.01, 0, 0], "angular_velocity": [0, 0.02, 0]})
+    rise = {"walls": [{"wall": "floor", "velocity": [0, 0, 0.001]}]}
+    keys["stage"] = [{"name": "a", "duration": "0.2 T0", **rise}, {"name": "b", "duration": "0.2 T0", **rise},
+                     {"kind": "equilibrium", "name": "rest", "supports": [{**clamp, "group": "all"}]}]
+    run = vbond.Run(vbond.Case.from_dict(keys))
+
+    def is_of_row(energies, row):
+        for name, energy in energies.items():
+            if name in run.history:
+                assert energy == pytest.approx(run.history[name][row], rel=1e-12, abs=1e-18), name
+
+    before = run.energies
+    run.run_stage()
+    is_of_row(before, 0)
+    is_of_row(run.energies, -1)
+    assert run.energies["kinetic_rotation"] > 0 and run.energies["contact"] > 0
+    contact = run.energies["contact"]
+    run.set_velocities(2 * run.state.velocities)
+    now = run.energies
+    run.step(0)
+    assert run.energies == pytest.approx(now, rel=1e-12) and now["contact"] == contact
+    run.run_stage()
+    is_of_row(run.energies, -1)
+    run.run_stage()
+    assert run.energies["kinetic_translation"] == run.energies["kinetic_rotation"] == 0
+
+
 def test_a_callback_sees_each_step_it_asked_for_and_may_end_the_stage(run):
     seen = []
 
@@ -132,6 +166,27 @@ def test_velocities_and_loads_are_set(run):
     assert run.energies["work_loads"] != 0
     run.add_load([0, 1], force=(0, 0, 1e-3), moment=(1e-4, 0, 0))
     assert run.loads[0][0][2] - forces[0][2] == pytest.approx(1e-3, abs=1e-4)
+
+
+def test_what_supports_hold_keeps_its_velocities(keys):
+    pulled = {"group": "last", "fix": ["x", [0, 1, 1]], "velocity": [1e-3, 0, 0]}
+    turned = {"group": "middle", "rigid": True, "velocity": [0, 2e-3, 0], "angular_velocity": [0, 0, 1e-3]}
+    keys["groups"] = {"middle": {"indices": [4]}}
+    keys["stage"][0]["supports"] = [clamp, pulled, turned]
+    run = vbond.Run(vbond.Case.from_dict(keys))
+    run.step(10)
+    v, work = run.state.velocities.copy(), run.energies["work_supports"]
+    new = np.tile([0.01, 0.02, 0.04], (10, 1))
+    run.set_velocities(new, new)
+    now, omega = run.state.velocities, run.state.angular_velocities
+    assert np.array_equal(now[1:4], new[1:4]) and np.array_equal(omega[9], new[9])
+    assert not now[0].any() and not omega[0].any()
+    assert now[9] == pytest.approx([v[9, 0], -0.01 + 0.5 * (v[9, 1] + v[9, 2]), 0.01 + 0.5 * (v[9, 1] + v[9, 2])], abs=1e-15)
+    assert now[4] == pytest.approx([0, 2e-3, 0], abs=1e-15) and omega[4] == pytest.approx([0, 0, 1e-3], abs=1e-15)
+    run.step(0)
+    assert run.energies["work_supports"] == work
+    run.step(1)
+    assert abs(run.energies["work_supports"] - work) < 1e-5  # an impulse that makes velocities right takes 1e-3
 
 
 def test_a_stage_is_ended_by_hand(case):

@@ -35,6 +35,7 @@ class State:
     displacements: ndarray
     masses: ndarray
     radii: ndarray
+    there: ndarray
     time: float
     step: int
     groups: dict[str, ndarray]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -78,6 +79,35 @@ def _change(key: str, value: Any) -> str:
     return f"{key}={_toml(_plain(value, key))}"
 
 
+def _put(keys: dict[str, Any], path: str, value: Any) -> None:
+    """As --set does it, which has checked the path: tables that are not there are made, items of lists are there."""
+    *before, last = re.findall(r"[^.\[\]]+", path)
+    at: Any = keys
+    for name in before:
+        at = at[_item(at, name)] if isinstance(at, list) else at.setdefault(name, {})
+    at[_item(at, last) if isinstance(at, list) else last] = value
+
+
+def _item(items: list, name: str) -> int:
+    """By its name, else by its place."""
+    named = [k for k, item in enumerate(items) if isinstance(item, dict) and item.get("name") == name]
+    return named[0] if named else int(name)
+
+
+def _from_folder(value: Any, folder: Path) -> Any:
+    """The same with the whole paths of the files that it names."""
+    if isinstance(value, list):
+        return [_from_folder(item, folder) for item in value]
+    if not isinstance(value, dict):
+        return value
+    return {key: str(folder.absolute() / item) if key in ("file", "bonds_file") and isinstance(item, str)
+            else _from_folder(item, folder) for key, item in value.items()}
+
+
+def _lines(keys: Mapping[str, Any]) -> str:
+    return "".join(f"{_quoted(key)} = {_toml(value)}\n" for key, value in keys.items())
+
+
 class Case:
     """A case: what is computed, every key checked. It never changes; `changed` and `with_stages` make others.
 
@@ -118,8 +148,7 @@ class Case:
             raise ValueError("the dict of a case is nested too deep, or stands in itself") from None
         if not isinstance(plain, dict):
             raise TypeError(f"a case is a dict of its keys, not {type(keys).__name__}")
-        lines = [f"{_quoted(key)} = {_toml(value)}\n" for key, value in plain.items()]
-        return cls("".join(lines), Path(folder) / "dict", places=False)
+        return cls(_lines(plain), Path(folder) / "dict", places=False)
 
     @property
     def title(self) -> str:
@@ -137,13 +166,25 @@ class Case:
 
     def changed(self, changes: Mapping[str, Any]) -> Case:
         """The same with other values of these keys, see from_file."""
-        return Case(self._text, self._file, {**self._changes, **changes}, places=self._places)
+        before = {key: value for key, value in self._changes.items() if key not in changes}  # the last one wins
+        return Case(self._text, self._file, {**before, **changes}, places=self._places)
 
     def with_stages(self, stages: Sequence[Mapping[str, Any]]) -> Case:
         """The same body with these stages in place of its own, each a dict of keys."""
-        keys = tomllib.loads(Case(self._text, self._file, self._changes, places=self._places).text)
-        keys["stage"] = list(stages)
-        return Case.from_dict(keys, self._file.parent)
+        return Case.from_dict({**self._given(), "stage": list(stages)}, self._file.parent)
+
+    def _given(self) -> dict[str, Any]:
+        """The keys as they were given, with the changes: values that follow from others are not among them."""
+        keys = tomllib.loads(self._text)
+        for key, value in self._changes.items():
+            _put(keys, key, _plain(value, key))
+        return _from_folder(keys, self._file.parent)
+
+    def _to_vary(self) -> str:
+        """A case file that says the same, for other values of its keys: not `text`, in which defaults stand that follow
+        from them. The text as it was given, if that is one."""
+        given = self._given()
+        return self._text if given == tomllib.loads(self._text) else _lines(given)
 
     def __repr__(self) -> str:
         return f"<vbond.Case: {self.title or 'without a title'}>"

@@ -30,16 +30,22 @@ def curves(history: Mapping[str, np.ndarray], *columns: str, x: str = "time", ax
     return axes
 
 
+def _ends(state: Any, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Of each bond; the second one at the image that it joins, if the body is periodic."""
+    bonds = state.bonds
+    of_j = at[bonds["j"]]
+    return at[bonds["i"]], of_j if state.cell is None else of_j + bonds["image_j"] @ state.cell
+
+
 def body(state: Any, displacements: np.ndarray | None = None, axes: Any = None) -> Any:
     """The bonds that hold, as lines in space; displaced by (n, 3) if given."""
     at = state.positions if displacements is None else state.positions + displacements
-    bonds = state.bonds
-    holds = ~bonds["broken"]
+    holds = ~state.bonds["broken"]
     from mpl_toolkits.mplot3d.art3d import Line3DCollection
 
     axes = _axes(axes, projection="3d")
-    axes.add_collection3d(Line3DCollection(np.stack([at[bonds["i"][holds]], at[bonds["j"][holds]]], axis=1)))
-    axes.auto_scale_xyz(*at.T)
+    axes.add_collection3d(Line3DCollection(np.stack(_ends(state, at), axis=1)[holds]))
+    axes.auto_scale_xyz(*at[state.there].T)
     return axes
 
 
@@ -47,15 +53,13 @@ def mode(state: Any, mode: Any, size: float | None = None, axes: Any = None) -> 
     """A mode of vibration or buckling as the displaced body; size: of its largest translation [length], by default a
     tenth of the body."""
     if size is None:
-        size = 0.1 * float(np.ptp(state.positions, axis=0).max())
+        size = 0.1 * float(np.ptp(state.positions[state.there], axis=0).max())
     return body(state, size * mode.translation, axes)
 
 
 def cracks(state: Any, axes: Any = None) -> Any:
     """The middles of bonds that broke, as points on top of the bonds that hold."""
     axes = body(state, axes=axes)
-    bonds, at = state.bonds, state.positions
-    broken = bonds["broken"]
-    middles = 0.5 * (at[bonds["i"][broken]] + at[bonds["j"][broken]])
-    axes.scatter(*middles.T, color="tab:red")
+    middles = 0.5 * sum(_ends(state, state.positions))
+    axes.scatter(*middles[state.bonds["broken"]].T, color="tab:red")
     return axes

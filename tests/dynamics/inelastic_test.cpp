@@ -221,7 +221,7 @@ TEST(RememberingBond, RelaxesAndBooksWhatItDissipates) {
   stage.supports = {testing::held({ParticleId{0}, ParticleId{1}}, testing::clamped)};
   Simulation run(s.model, stage, s.state);
   run.run();
-  const double N = run.mean_axial_force(s.model.groups[0].particles);
+  const double N = mean_axial_force(run.part(), s.model.groups[0].particles);
   EXPECT_NEAR(N, u * std::exp(-per_eta * t), u * per_eta * dt);  // (1 - x)^n for exp(-n x), x = 5e-4
   EXPECT_NEAR(run.state().bond_history[BondId{0}][0], u - N, 1e-15);
   EXPECT_NEAR(run.books().dissipated, 0.5 * (u * u - N * N), 1e-15);

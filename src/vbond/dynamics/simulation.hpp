@@ -134,7 +134,6 @@ class Simulation final : public BodyView, private MotionHost {
   double balance_error() const override;
   Reaction reaction(const std::vector<ParticleId>& particles,
                     LastBreaks breaks = LastBreaks::left_out) const override;
-  double mean_axial_force(const std::vector<ParticleId>& particles) const override;
   const std::vector<WallState>& walls() const override { return terms_.of<MotionWalls>().states(); }
   std::vector<GripView> grips() const override;
 
@@ -232,8 +231,7 @@ class Simulation final : public BodyView, private MotionHost {
   Reaction reaction_here(const std::vector<ParticleId>& particles) const;
   void add_taken(const std::vector<ParticleId>& particles, Reaction& to) const;
   Reaction summed_over_parts(Reaction reaction) const;
-  std::vector<BondId> bonds_inside(const std::vector<ParticleId>& particles) const;
-  double mean_axial_force(const std::vector<BondId>& bonds) const;
+  double mean_axial_force(const std::vector<BondId>& own) const;
   const PoseRow& pose_of(ParticleId p) const { return bodies_.pose[bodies_.order.row[p].value]; }
   void notify_observers();
 

@@ -59,7 +59,7 @@ void Simulation::bonds_changed() {
     if (capsules_.any() && b.capsule > 0.0) encounters_.count_capsules(b.capsule);
   peak_bonds_.clear();
   if (stage_.stops.peak && stage_.stops.peak->quantity == PeakQuantity::compressive_force)
-    peak_bonds_ = bonds_inside(stage_.stops.peak->particles);
+    peak_bonds_ = bonds_inside(part(Show::bonds), stage_.stops.peak->particles);
   only_elastic_ = has_only_elastic_bonds();
 }
 

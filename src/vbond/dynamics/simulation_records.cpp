@@ -303,36 +303,14 @@ void Simulation::add_held(const Hold& hold, bool whole, Row row, const Vec3d& F,
   total.moment += moment;
 }
 
-/// Those that are worked out here.
-std::vector<BondId> Simulation::bonds_inside(const std::vector<ParticleId>& particles) const {
-  std::vector<BondId> inside;
-  for (const ParticleId p : particles)
-    for (const BondIndex::Entry& e : bond_index_.of(p))
-      if (e.is_i && bodies_.order.has(p) && std::binary_search(particles.begin(), particles.end(), e.other))
-        inside.push_back(part_bonds_.find(e.bond).value());
-  return inside;
-}
-
-double Simulation::mean_axial_force(const std::vector<ParticleId>& particles) const {
-  return mean_axial_force(bonds_inside(particles));
-}
-
-/// Each part does its share, of its own bonds.
-double Simulation::mean_axial_force(const std::vector<BondId>& here) const {
+double Simulation::mean_axial_force(const std::vector<BondId>& own) const {
   if (bonds_.remembers()) bonds_.collect(state_.bond_history);
-  const auto mean = [this](const std::vector<BondId>& some) {
-    return vbond::mean_axial_force(some, [this](BondId k) {
-      const Bond& b = state_.bonds[k];
-      return axial_force(b, history_of_bond(state_, k), bodies_.between(b),
-                         bodies_.orientation(bodies_.order.row_i(b)),
-                         bodies_.orientation(bodies_.order.row_j(b)));
-    });
-  };
-  auto all = static_cast<double>(here.size());
-  exchange_.sum({&all, 1});
-  double share = here.empty() ? 0.0 : mean(here) * (static_cast<double>(here.size()) / all);
-  exchange_.sum({&share, 1});
-  return share;
+  return vbond::mean_axial_force(own, exchange_, [this](BondId k) {
+    const Bond& b = state_.bonds[k];
+    return axial_force(b, history_of_bond(state_, k), bodies_.between(b),
+                       bodies_.orientation(bodies_.order.row_i(b)),
+                       bodies_.orientation(bodies_.order.row_j(b)));
+  });
 }
 
 std::vector<GripView> Simulation::grips() const {

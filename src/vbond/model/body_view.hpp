@@ -108,8 +108,6 @@ class BodyView {
   /// inertia of prescribed accelerations left out.
   virtual Reaction reaction(const std::vector<ParticleId>& particles,
                             LastBreaks breaks = LastBreaks::left_out) const = 0;
-  /// Mean over the bonds with both ends in the group of F.d, tension positive; 0 without such bonds.  [force]
-  virtual double mean_axial_force(const std::vector<ParticleId>& particles) const = 0;
   /// Where walls are, and what presses on them.
   virtual const std::vector<WallState>& walls() const = 0;
   /// The grips of the stage, in the order of its supports.

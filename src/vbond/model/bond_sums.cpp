@@ -6,14 +6,21 @@
 
 namespace vbond {
 
-double mean_axial_force(const State& state, const std::vector<ParticleId>& particles) {
+std::vector<BondId> bonds_inside(const BodyPart& body, const std::vector<ParticleId>& particles) {
   const auto inside = [&particles](ParticleId p) {
     return std::binary_search(particles.begin(), particles.end(), p);
   };
-  std::vector<BondId> bonds;
-  for (const BondId k : state.bonds.ids())
-    if (!state.bonds[k].broken && inside(state.bonds[k].i) && inside(state.bonds[k].j)) bonds.push_back(k);
-  return mean_axial_force(bonds, [&state](BondId k) { return axial_force(state, k); });
+  std::vector<BondId> own;
+  for (const BondId k : body.state.bonds.ids()) {
+    const Bond& b = body.state.bonds[k];
+    if (!b.broken && body.has(b) && inside(b.i) && inside(b.j)) own.push_back(k);
+  }
+  return own;
+}
+
+double mean_axial_force(const BodyPart& body, const std::vector<ParticleId>& particles) {
+  const std::vector<BondId> own = bonds_inside(body, particles);
+  return mean_axial_force(own, body.all, [&body](BondId k) { return axial_force(body.state, k); });
 }
 
 void add_bond_loads(const State& state, Loads& loads) {

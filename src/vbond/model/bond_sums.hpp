@@ -27,17 +27,24 @@ inline double axial_force(const State& s, BondId k) {
   return axial_force(b, history_of_bond(s, k), between(s, b), s.q[b.i], s.q[b.j]);
 }
 
-/// Mean of axial_force(bond) over these bonds; 0 without any.  [force]
+/// The own bonds that hold with both ends among these particles, which are in increasing order.
+std::vector<BondId> bonds_inside(const BodyPart& body, const std::vector<ParticleId>& particles);
+
+/// Mean of axial_force(bond) over these bonds of each process; 0 without any.  [force]
 template <class AxialForce>
-double mean_axial_force(const std::vector<BondId>& of, AxialForce axial_force) {
+double mean_axial_force(const std::vector<BondId>& own, const Communicator& all, AxialForce axial_force) {
   double sum = 0.0;
-  for (const BondId k : of) sum += axial_force(k);
-  return of.empty() ? 0.0 : sum / static_cast<double>(of.size());
+  for (const BondId k : own) sum += axial_force(k);
+  const auto here = static_cast<double>(own.size());
+  double count = here;
+  all.sum({&count, 1});
+  double share = own.empty() ? 0.0 : sum / here * (here / count);
+  all.sum({&share, 1});
+  return share;
 }
 
-/// Mean of F.d over the bonds with both ends among these particles, which are in increasing order; tension
-/// positive.  [force]
-double mean_axial_force(const State& state, const std::vector<ParticleId>& particles);
+/// Mean of F.d over bonds_inside(), tension positive; 0 without any.  [force]
+double mean_axial_force(const BodyPart& body, const std::vector<ParticleId>& particles);
 
 /// Adds every bond's loads to its two particles, bond by bond: the reference for the loops of the step.
 void add_bond_loads(const State& state, Loads& loads);

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "vbond/core/images.hpp"
+#include "vbond/model/bond_sums.hpp"
 #include "vbond/model/periodic_cell.hpp"
 #include "vbond/model/present.hpp"
 #include "vbond/observe/bond_look.hpp"
@@ -206,7 +207,8 @@ HistoryValues history_values(const OutputPlan& plan, const BodyView& body) {
       .grips = plan.grips.empty() ? std::vector<std::optional<GripView>>{} : grips_of(plan, body.grips()),
       .of_terms = {}};
   for (const Group& g : plan.reactions) values.reactions.push_back(body.reaction(g.particles));
-  for (const Group& g : plan.axial_force) values.axial_force.push_back(body.mean_axial_force(g.particles));
+  for (const Group& g : plan.axial_force)
+    values.axial_force.push_back(mean_axial_force(body.part(), g.particles));
   add_means(plan, body, values);
   add_terms(plan, body, values);
   return values;

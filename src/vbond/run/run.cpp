@@ -9,6 +9,7 @@
 
 #include "vbond/model/bond_sums.hpp"
 #include "vbond/model/energies.hpp"
+#include "vbond/model/holds.hpp"
 #include "vbond/model/mistakes.hpp"
 #include "vbond/model/passage.hpp"
 #include "vbond/model/periodic_cell.hpp"
@@ -20,6 +21,20 @@ namespace {
 
 void require(bool holds, const std::string& rule) {
   if (!holds) throw std::invalid_argument("Run: " + rule);
+}
+
+/// What supports hold keeps its rates; a rigid group that is free in part finds those it has as a whole.
+void keep_held(const std::vector<Support>& supports, const State& before, PerParticle<Vec3d>& v,
+               PerParticle<Vec3d>& omega) {
+  for (const Hold& h : holds_of(supports)) {
+    if (is_free_grip(supports[h.support])) continue;
+    for (std::size_t dof = 0; dof < h.held.size(); ++dof) {
+      if (!h.held[dof]) continue;
+      const Vec3d& axis = axis_of(h.axes.get(), dof);
+      Vec3d& rate = dof < 3 ? v[h.particle] : omega[h.particle];
+      rate += dot((dof < 3 ? before.v : before.omega)[h.particle] - rate, axis) * axis;
+    }
+  }
 }
 
 }  // namespace
@@ -326,6 +341,7 @@ void Run::change_motion(PerParticle<Vec3d> v, PerParticle<Vec3d> omega) {
     state_ = std::move(*simulation_).handover().state;
     constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
     for (GripState& g : state_.grips) g.velocity = {unknown, unknown, unknown};
+    keep_held(std::get<Stage>(*stage_).supports, state_, v, omega);
   }
   const double before = kinetic_energy_beside_flow(model_, state_);
   for (const ParticleId p : absent(state_)) v[p] = state_.v[p], omega[p] = state_.omega[p];

@@ -201,17 +201,18 @@ class LoadSteps {
     const bool may_fail = body_.flows() && is_long(way);
     for (int k = 0; k < most_tries && stability_.unstable.value_or(0) > 0; ++k) {
       if (body_.stage().at_saddle == AtSaddle::keep) break;
-      if (!leave_saddle(may_fail)) return false;
+      if (!leave_saddle(way, may_fail)) return false;
       result_.left_saddle = true;
     }
     return true;
   }
 
   /// If it may not fail and does, the unstable balance is the last point.
-  bool leave_saddle(bool may_fail) {
+  bool leave_saddle(const Way& way, bool may_fail) {
     const Placement saddle = body_.placement();
     const int unstable = stability_.unstable.value();
     outcome_ = vbond::leave_saddle(body_, solver_, stability_, hooks_.interrupted, result_.iterations);
+    if (!outcome_.converged && !outcome_.interrupted) go_downhill_from(way.from, saddle.load_factor);
     factored_here_ = stability_.definite;
     interrupted_ = outcome_.interrupted;
     if (interrupted_ || (!outcome_.converged && may_fail)) return false;
@@ -227,6 +228,16 @@ class LoadSteps {
         "was left along its lowest mode; the next one downhill is up to {:.3g} away",
         saddle.load_factor, unstable, distance_to_here(saddle)));
     return true;
+  }
+
+  /// Where it came from under this load: a way downhill that need not pass the unstable balance.
+  void go_downhill_from(const Placement& from, double load_factor) {
+    body_.restore(from);
+    body_.move(Vector::Zero(body_.unknowns().size()), load_factor);
+    const NewtonOutcome there = minimise(body_, solver_, body_.stage().newton, hooks_.interrupted);
+    result_.iterations += there.iterations();
+    if (there.converged) judge();
+    if (there.interrupted || (there.converged && stability_.unstable.value_or(0) == 0)) outcome_ = there;
   }
 
   void stop_at(const Placement& last_balance) {

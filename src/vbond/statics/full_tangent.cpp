@@ -45,13 +45,28 @@ std::vector<Eigen::Triplet<double>> entries_of(const SparseMatrix& A) {
   return entries;
 }
 
+/// The tangent with a stiffness for each unknown that has none and moves nothing else, as the turns of a
+/// grain that is only touched: where nothing loads them, solutions leave them alone.
+SparseMatrix with_idle_held(SparseMatrix K) {
+  Vector entries = Vector::Zero(K.rows());
+  for (int k = 0; k < K.outerSize(); ++k)
+    for (SparseMatrix::InnerIterator it(K, k); it; ++it) {
+      entries[it.row()] += std::abs(it.value());
+      entries[k] += std::abs(it.value());
+    }
+  const double stiffness = max_norm(K.diagonal());
+  for (Eigen::Index k = 0; k < entries.size(); ++k)
+    if (entries[k] == 0.0) K.coeffRef(k, k) = stiffness;
+  return K;
+}
+
 }  // namespace
 
 bool TangentSolver::take_full(const StaticBody& body) {
   prepare(body);
   if (!factors_full(body)) return take(body);
   if (full_at_ != body.placement_number()) {
-    full_is_regular_ = full_.factor(body.full_tangent());
+    full_is_regular_ = full_.factor(with_idle_held(body.full_tangent()));
     full_at_ = body.placement_number();
   }
   return full_is_regular_;
@@ -84,7 +99,7 @@ Vector TangentSolver::solve_by_iteration(const StaticBody& body, const Vector& b
 // The last column is scaled to the size of the tangent's diagonal, so that the pivots compare.
 bool TangentSolver::take_bordered(const StaticBody& body, const Bordered& border) {
   prepare(body);
-  const SparseMatrix K = body.full_tangent();
+  const SparseMatrix K = with_idle_held(body.full_tangent());
   const int n = static_cast<int>(K.rows());
   const double force = max_norm(border.g), stiffness = max_norm(K.diagonal());
   per_factor_ = force > 0.0 && stiffness > 0.0 ? stiffness / force : 1.0;

@@ -3,7 +3,6 @@
 #include <vector>
 
 #include "vbond/model/body_view.hpp"
-#include "vbond/model/bond_sums.hpp"
 #include "vbond/statics/results.hpp"
 
 namespace vbond {
@@ -35,9 +34,6 @@ class PointView final : public BodyView {
   Reaction reaction(const std::vector<ParticleId>& particles,
                     LastBreaks = LastBreaks::left_out) const override {
     return point_.reaction(particles);  // bonds that broke at rest have no loads
-  }
-  double mean_axial_force(const std::vector<ParticleId>& particles) const override {
-    return vbond::mean_axial_force(state(), particles);
   }
   const std::vector<WallState>& walls() const override { return state().walls; }
   std::vector<GripView> grips() const override { return point_.grips; }
