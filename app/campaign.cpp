@@ -93,8 +93,8 @@ Campaign open_campaign(const Case& c, Run& run, OutputPlan plan, int threads, co
   const bool shows = campaign.plan.writes_all() && isatty(STDERR_FILENO) != 0;
   campaign.progress =
       std::make_shared<ProgressObserver>(shows ? stderr : nullptr, std::vector<std::int64_t>{});
-  const auto any = [&run](auto&& is_one) {  // bonds keep what the case has lost since
-    return std::any_of(run.current().bonds.begin(), run.current().bonds.end(), is_one);
+  const auto any = [body = run.body_at_start()](auto&& is_one) {  // bonds keep what the case has lost since
+    return count_bonds(body, is_one) > 0;
   };
   campaign.plan.breaks = campaign.plan.breaks || any(can_break);
   campaign.plan.capsules = campaign.plan.capsules || any([](const Bond& b) { return b.capsule > 0.0; });

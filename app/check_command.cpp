@@ -34,6 +34,7 @@
 #include "vbond/run/run.hpp"
 #include "vbond/run/static_solver.hpp"
 #include "vbond/setup/build.hpp"
+#include "vbond/setup/own_bonds.hpp"
 #include "vbond/setup/times.hpp"
 
 namespace vbond::app {
@@ -41,15 +42,18 @@ namespace {
 
 constexpr std::int64_t few_steps = 10;
 
-void print_memory(const Model& model, const State& state, int ranks) {
+void print_memory(const Case& c, const Model& model, const State& state, int ranks) {
   const MemoryUse use = memory_use(model, state);
   const double total = use.per_particle * static_cast<double>(model.particles()) +
                        use.per_bond * static_cast<double>(state.bonds.size());
   fmt::print("memory           {}: {:.0f} bytes per particle, {:.0f} per bond; neighbour lists are extra\n",
              bytes_in_units(total), use.per_particle, use.per_bond);
   if (ranks == 0) return;
-  fmt::print("on {} ranks       {} each: every rank holds the whole body (docs/ranks.md)\n", ranks,
-             bytes_in_units(memory_of_each_rank(model, state, ranks)));
+  const bool own = may_keep_own_bonds(c);
+  fmt::print("on {} ranks       {} each: every rank holds {} (docs/ranks.md)\n", ranks,
+             bytes_in_units(memory_of_each_rank(model, state, static_cast<double>(state.bonds.size()), ranks,
+                                                own ? RanksKeep::own_bonds : RanksKeep::all_bonds)),
+             own ? "all particles, and its own bonds" : "the whole body");
 }
 
 /// Bonds that may be made in the run, which no memory is told for above.
@@ -383,7 +387,7 @@ int check(const RunOptions& options) {
   print_loads(c, model);
   print_output_remarks(c, plan, model);
   print_output_size(c, plan, model, state, steps.now);
-  print_memory(model, state, options.ranks);
+  print_memory(c, model, state, options.ranks);
   print_bonds_to_come(c, run);
   print_solvers(run);
   if (dynamics) print_wall_time(steps, run, *dynamics, threads);

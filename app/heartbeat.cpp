@@ -86,7 +86,7 @@ void Heartbeat::begin_stage() {
     if (const Simulation* stage = run_.simulation())
       look_at_stage(*stage);
     else if (columns_.breaks)
-      status_.broken = count_broken(run_.current());
+      status_.broken = count_broken(run_.body_at_start().state);  // of own bonds none, before a first stage
   });
   write();
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <variant>
 
 #include "vbond/core/printable.hpp"
@@ -81,27 +82,26 @@ void print_notes(const std::vector<std::string>& notes) {
   std::fflush(stdout);
 }
 
-void print_overview(const Case& c, const Model& model, const State& state) {
-  std::size_t pairs = 0;  // the cells of a flat joint follow one another, and are of one pair
-  const Bond* last = nullptr;
-  for (const Bond& b : state.bonds) {
-    const bool same = last != nullptr && last->i == b.i && last->j == b.j && last->image_j == b.image_j;
-    pairs += !(same && last->set == b.set);
-    last = &b;
-  }
+void print_overview(const Case& c, const Model& model, const BodyPart& body) {
+  const Bond* last = nullptr;  // the cells of a flat joint follow one another, and are of one pair
+  const auto pairs = static_cast<double>(count_bonds(body, [&last](const Bond& b) {
+    const Bond* const before = std::exchange(last, &b);
+    return !(before != nullptr && before->i == b.i && before->j == b.j && before->image_j == b.image_j &&
+             before->set == b.set);
+  }));
   const auto n = static_cast<double>(model.particles());
   if (!c.title.empty()) fmt::print("{}\n", printable(c.title));
   fmt::print("particles        {}\n", model.particles());
-  const std::string neighbours = fmt::format("{:.3g}", n > 0 ? 2 * static_cast<double>(pairs) / n : 0.0);
-  fmt::print("bonds            {}, on average {} neighbour{} per particle\n", state.bonds.size(), neighbours,
+  const std::string neighbours = fmt::format("{:.3g}", n > 0 ? 2 * pairs / n : 0.0);
+  fmt::print("bonds            {}, on average {} neighbour{} per particle\n", count_bonds(body), neighbours,
              neighbours == "1" ? "" : "s");
   fmt::print("contacts         {}\n", page::contacts_in_words(model));
   if (model.T_0 > 0) fmt::print("T0               {:.6g}{}\n", model.T_0, time_unit(model));
   std::fflush(stdout);
 }
 
-void print_step(const Case& c, const Model& model, const State& state, const Stage& stage) {
-  const StepBound bound = step_bound(model, state, stage);
+void print_step(const Case& c, const Model& model, const BodyPart& body, const Stage& stage) {
+  const StepBound bound = step_bound(model, body, stage);
   const char* time = time_unit(model);
   const bool exact = c.time.step && !c.time.given();
   const bool flies = !exact && std::isinf(bound.dt) && !c.time.given();

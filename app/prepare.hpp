@@ -33,10 +33,10 @@ std::vector<std::int64_t> steps_of_stages(const Case& c, const Model& model,
 void print_notes(const std::vector<std::string>& notes);
 
 /// Prints title, particles, bonds, coordination, contacts and T_0.
-void print_overview(const Case& c, const Model& model, const State& state);
+void print_overview(const Case& c, const Model& model, const BodyPart& body);
 
 /// Prints the step of a stage, the critical one and where it comes from, and what the step does not meet.
-void print_step(const Case& c, const Model& model, const State& state, const Stage& stage);
+void print_step(const Case& c, const Model& model, const BodyPart& body, const Stage& stage);
 
 /// Prints what the run computes with: the instruction set of the bonds and the number of threads; for static
 /// stages the kernel of BLAS.

@@ -28,6 +28,9 @@ class Processes {
   /// Does what all of them do, and returns the exit status. A failure of all is told by the one that leads;
   /// one of a single process is told by it and ends all.
   virtual int run(const std::function<int()>& work) { return work(); }
+  /// To be called by each that has come so far, before they do anything together. Throws if another one has
+  /// failed.
+  virtual void meet() {}
   /// To be called once by each, when it has found that it can begin. Throws what the case has that they
   /// cannot do, and if another one cannot begin.
   virtual void begin_together(const Case& /*c*/) {}

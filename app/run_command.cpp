@@ -33,6 +33,7 @@
 #include "vbond/run/plan_output.hpp"
 #include "vbond/run/run.hpp"
 #include "vbond/setup/build.hpp"
+#include "vbond/setup/own_bonds.hpp"
 #include "vbond/setup/times.hpp"
 #include "vbond/terms/heat/heat.hpp"
 
@@ -56,13 +57,14 @@ void add_stage(RunSummary& s, const Simulation& run, StopReason why, std::int64_
 
 /// Says what step the run has, once it is known, and of every stage which times it does not meet. Steps to
 /// come are counted anew by the step of each stage.
-void begin_dynamics(Campaign& campaign, const Stage& stage, const State& state) {
-  const bool known = !campaign.ahead.empty(), begins = state.clock.stage_step == 0;
+void begin_dynamics(Campaign& campaign, const Stage& stage) {
+  const Clock& clock = campaign.run.clock();
+  const bool known = !campaign.ahead.empty(), begins = clock.stage_step == 0;
   if (!known) campaign.ahead = steps_ahead(campaign.c, campaign.run);
   campaign.progress->expect(steps_of_stages(campaign.c, campaign.run.model(), campaign.ahead,
                                             campaign.run.stage_index(), stage.dt));
-  if (begins && state.clock.stage == 0) return;  // told before the run
-  if (begins && !known) return print_step(campaign.c, campaign.run.model(), state, stage);
+  if (begins && clock.stage == 0) return;  // told before the run
+  if (begins && !known) return print_step(campaign.c, campaign.run.model(), campaign.run.current(), stage);
   for (const std::string& line : times_not_met(stage)) campaign.tell(line);
 }
 
@@ -70,7 +72,7 @@ void begin_dynamics(Campaign& campaign, const Stage& stage, const State& state) 
 /// interrupted.
 bool run_dynamics_leg(Campaign& campaign) {
   Run& run = campaign.run;
-  begin_dynamics(campaign, std::get<Stage>(run.prepare()), run.current());
+  begin_dynamics(campaign, std::get<Stage>(run.prepare()));
   const auto entered = WallClock::now();
   run.begin();
   campaign.building += seconds_since(entered);
@@ -320,12 +322,25 @@ FolderLock lock_old_output(const fs::path& folder) {
 
 /// From here on all processes step the run together.
 void spread(Processes& processes, const Case& c, Run& run) {
-  require_memory(c, run.model(), run.current(), processes.here());
+  require_memory(c, run.model(), run.body_at_start(), processes.here());
   processes.begin_together(c);
   Partition* const partition = processes.partition();
   if (partition == nullptr) return;
   run.spread_over(*partition);
   say(fmt::format("ranks            {}\n", partition->ranks()));
+}
+
+/// The body of the case; of several processes each keeps its own bonds alone, where that can be.
+Built build_for(Processes& processes, const Case& c, int threads) {
+  Partition* const partition = processes.partition();
+  if (partition == nullptr) return build(c, threads);
+  return build(
+      c, threads,
+      {.all = *partition,
+       .meet = [&processes] { processes.meet(); },
+       .spread = [partition](
+                     const Model& model, const State& state, const PerParticle<std::uint32_t>& bonds,
+                     double longest) { return partition->spread_first(model, state, bonds, longest); }});
 }
 
 /// What one process does for all.
@@ -350,9 +365,11 @@ int run(const RunOptions& options) {
   require_statics(c);
   require_memory(c);
   require_memory(c, processes.here());
-  Built built = build(c, options.threads);
-  require_memory(c, built.model, built.state);
-  Run run(std::move(built.model), std::move(built.state), stages_of(c, options.threads), options.threads);
+  Built built = build_for(processes, c, options.threads);
+  require_memory(c, built.model, built.body());
+  Run run(std::move(built.model), std::move(built.state), stages_of(c, options.threads, built.own),
+          options.threads);
+  run.begin_with_own_bonds(std::move(built.own));
   run.check();
   bonds_to_come(c, run);  // throws if they cannot fit into memory
   spread(processes, c, run);
@@ -369,10 +386,10 @@ int run(const RunOptions& options) {
   });
   plan.folder = processes.text_of_leader(plan.folder.string());
   say("output folder    " + plan.folder.string() + "\n");
-  print_overview(c, run.model(), run.current());
+  print_overview(c, run.model(), run.body_at_start());
   print_notes(built.notes);
   if (const Stage* dynamics = std::get_if<Stage>(&run.prepare()))
-    print_step(c, run.model(), run.current(), *dynamics);
+    print_step(c, run.model(), run.body_at_start(), *dynamics);
   print_machine(c, options.threads);
   Campaign campaign =
       open_campaign(c, run, std::move(plan), options.threads, options.program, nullptr, start);

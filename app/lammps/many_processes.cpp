@@ -62,7 +62,7 @@ class MpiRanks : public Processes {
       return ranks_->leads() ? status : done;
     } catch (...) {
       const Failure failure = failure_under_way();
-      if (!has_begun_)
+      if (!has_begun_ && !(have_met_ && failure.unforeseen))  // else the others may be at something else
         why_not(failure.text);
       else if (failure.unforeseen || (failure.status != failed && !all_know_of_it()))
         end_all(failure);
@@ -71,6 +71,13 @@ class MpiRanks : public Processes {
     }
   }
 
+  void meet() override {
+    if (const std::string first = ranks_->first_failure({}); !first.empty()) {
+      has_begun_ = none_begins_ = true;
+      throw IoError("on another rank: " + first);
+    }
+    have_met_ = true;
+  }
   void begin_together(const Case& c) override {
     refuse_beyond_ranks(c);
     if (const std::string first = why_not({}); !first.empty()) throw IoError("on another rank: " + first);
@@ -105,7 +112,7 @@ class MpiRanks : public Processes {
 
   std::optional<Ranks> ranks_;
   std::FILE* own_voice_ = nullptr;  // of one that does not lead
-  bool has_begun_ = false, none_begins_ = false;
+  bool have_met_ = false, has_begun_ = false, none_begins_ = false;
 };
 
 }  // namespace

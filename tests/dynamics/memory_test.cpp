@@ -65,11 +65,15 @@ TEST(MemoryUse, OfRanksIsModelAndStateOfTheWholeBodyOnEach) {
   const Specimen s = straight_rod(N);
   const MemoryUse use = memory_use(s.model, s.state);
   const double bonds = N - 1, whole = N * use.per_particle + bonds * use.per_bond;
-  EXPECT_DOUBLE_EQ(memory_of_each_rank(s.model, s.state, 1), whole);
-  const double many = memory_of_each_rank(s.model, s.state, 1 << 20);
+  for (const RanksKeep keep : {RanksKeep::all_bonds, RanksKeep::own_bonds})
+    EXPECT_DOUBLE_EQ(memory_of_each_rank(s.model, s.state, bonds, 1, keep), whole);
+  const double many = memory_of_each_rank(s.model, s.state, bonds, 1 << 20, RanksKeep::all_bonds);
   const double rows = N * (3 * 64.0 + 4 * 8.0 + 4.0);
   EXPECT_GT(whole - many, rows + (56.0 + 48.0) * bonds);
   EXPECT_LT(whole - many, rows + (66.0 + 48.0) * bonds);
+  // where ranks keep their own bonds, there is nothing of the others, but a name for each
+  const double half = memory_of_each_rank(s.model, s.state, bonds, 2, RanksKeep::own_bonds);
+  EXPECT_DOUBLE_EQ(whole - half, 0.5 * (rows + bonds * (use.per_bond - sizeof(BondId))));
 }
 
 }  // namespace

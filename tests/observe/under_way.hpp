@@ -31,12 +31,13 @@ inline FractureUnderWay under_way_of(State& s) {
   u.pattern = std::make_shared<const std::vector<std::pair<ParticleId, ParticleId>>>(pairs);
   u.remembered_before.resize(s.bonds.size());
   u.remembered_of_tangent.resize(s.bonds.size());
-  u.factor.made_at =
-      std::make_shared<const KeptFactorUnderWay::Place>(KeptFactorUnderWay::Place{s.r, s.q, s.cell, 0.25, 1});
-  u.factor.changes = {{{0, 5}, {1.0, 2.0, 2.0, 3.0}}};
-  u.factor.breaks = {{7, 8, 9}};
+  pairs.emplace_back(s.bonds[BondId{0}].i, s.bonds[BondId{1}].j);  // have touched since
+  u.factor.made_at = std::make_shared<const KeptFactorUnderWay::Place>(
+      KeptFactorUnderWay::Place{s.r, s.q, s.cell, 0.25, 1, pairs});
+  u.factor.changes = {{{0, 5}, {1.0, 2.0, 2.0, 3.0}, 0.5}};
   u.factor.random.discard(5);
   u.factor.proofs = 3, u.factor.spent = 2.5, u.factor.in_cycle = 1.5, u.factor.recent = 0.5;
+  u.factor.slow = 0.75, u.factor.wasted = 1.25;
   return u;
 }
 

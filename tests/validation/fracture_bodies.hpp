@@ -1,4 +1,7 @@
 #pragma once
+#include <gtest/gtest.h>
+
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -54,6 +57,17 @@ inline std::vector<std::size_t> broken_bonds(const FractureResult& f) {
   std::vector<std::size_t> all;
   for (const BrokenBond& b : f.breaks) all.push_back(b.use.bond.value);
   return all;
+}
+
+/// The books close, and those of each break with those of the next.
+inline void expect_books_close(const FractureResult& f) {
+  EXPECT_LT(std::abs(f.books.error()), 1e-9);
+  double released = 0.0;
+  for (const BrokenBond& b : f.breaks) {
+    released += b.released;
+    EXPECT_NEAR(f.books.initial + b.work, b.stored + released, 1e-9 * f.books.largest);
+  }
+  EXPECT_NEAR(released, f.books.released, 1e-12 * f.books.largest);
 }
 
 }  // namespace vbond::testing

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 
 namespace vbond {
@@ -110,26 +112,26 @@ void take_up(const AllBonds& whole, std::size_t first, IsOwn is_own, const Order
 
 /// What all parts send, some names at a time: take(name, what was sent for it).
 template <class T, class Send, class Take>
-void tell_all(std::size_t bonds, const PartBonds& part, const Exchange& exchange, Send send, Take take) {
+void tell_all(std::size_t bonds, const PartBonds& part, const Communicator& all, Send send, Take take) {
   constexpr std::size_t at_once = 1 << 16;
   std::size_t next = 0;  // of own ones
   for (std::size_t last = at_once, first = 0; first < bonds; first = last, last += at_once) {
     std::vector<T> some;
     for (; next < part.names.size() && part.names[BondId{next}].value < last; ++next)
       some.push_back(send(BondId{next}));
-    for (const T& told : exchange.gather(some)) take(told);
+    for (const T& told : all.gather(some)) take(told);
   }
 }
 
 /// Gives a state those of all parts, of which each has these as its own.
 void give_all_bonds(const AllBonds& own, const PartBonds& part, const SharedByBonds& shared,
-                    const Exchange& exchange, State& whole) {
+                    const Communicator& all, State& whole) {
   std::array<double, 2> sums{static_cast<double>(own.bonds.size()), own.history.empty() ? 0.0 : 1.0};
-  exchange.sum(sums);
+  all.sum(sums);
   const auto bonds = static_cast<std::size_t>(sums[0]);
   whole.bonds.assign(bonds, {});
   tell_all<SentBond>(
-      bonds, part, exchange, [&](BondId k) { return sent(own.bonds[k], part.names[k], shared); },
+      bonds, part, all, [&](BondId k) { return sent(own.bonds[k], part.names[k], shared); },
       [&](const SentBond& b) { whole.bonds[b.name] = received(b, shared); });
   whole.bond_history.assign(sums[1] > 0.0 ? bonds : 0, {});
   struct Memory {
@@ -138,12 +140,12 @@ void give_all_bonds(const AllBonds& own, const PartBonds& part, const SharedByBo
   };
   if (sums[1] > 0.0)
     tell_all<Memory>(
-        bonds, part, exchange,
+        bonds, part, all,
         [&](BondId k) {
           return Memory{part.names[k], k.value < own.history.size() ? own.history[k] : no_history};
         },
         [&](const Memory& m) { whole.bond_history[m.name] = m.history; });
-  whole.warm_bonds = in_order_of_bonds(exchange.gather(by_name(own.warm, part.names)));
+  whole.warm_bonds = in_order_of_bonds(all.gather(by_name(own.warm, part.names)));
 }
 
 }  // namespace
@@ -183,6 +185,25 @@ PartBonds keep_own_bonds(State& state, const Order& order, bool leads, SharedByB
   return bonds;
 }
 
+SharedByBonds shared_by(const BondsFromSetUp& own) {
+  SharedByBonds shared;
+  for (const Bond& b : own.kinds) shared.add(b);
+  return shared;
+}
+
+PartBonds keep_known_bonds(BondsFromSetUp own, const State& state, const Order& order,
+                           SharedByBonds& shared) {
+  if (!std::all_of(state.bonds.begin(), state.bonds.end(),
+                   [&order](const Bond& b) { return order.has(b.i); }))
+    throw std::logic_error("a part has other particles than it was set up for");
+  shared = shared_by(own);
+  std::vector<BondEnds> known;
+  std::copy_if(own.part.others.begin(), own.part.others.end(), std::back_inserter(known),
+               [&order](const BondEnds& b) { return order.knows(b.i) || order.knows(b.j); });
+  own.part.others = std::move(known);
+  return std::move(own.part);
+}
+
 void take_up_bonds(const State& whole, std::size_t first, const Order& order, State& state, PartBonds& bonds,
                    SharedByBonds& shared) {
   take_up(
@@ -191,21 +212,21 @@ void take_up_bonds(const State& whole, std::size_t first, const Order& order, St
 }
 
 State with_all_bonds(State& state, const PartBonds& part, const SharedByBonds& shared,
-                     const Exchange& exchange) {
+                     const Communicator& all) {
   BondsOfState own = take_bonds(state);
   State whole = state;  // without a copy of these, which would be the largest part of it
   state.bonds = std::move(own.bonds);
   state.bond_history = std::move(own.history);
   state.warm_bonds = std::move(own.warm);
-  give_all_bonds({state.bonds, state.bond_history, state.warm_bonds}, part, shared, exchange, whole);
+  give_all_bonds({state.bonds, state.bond_history, state.warm_bonds}, part, shared, all, whole);
   return whole;
 }
 
 State with_all_bonds(State&& state, const PartBonds& part, const SharedByBonds& shared,
-                     const Exchange& exchange) {
+                     const Communicator& all) {
   const BondsOfState own = take_bonds(state);
   State whole = std::move(state);
-  give_all_bonds({own.bonds, own.history, own.warm}, part, shared, exchange, whole);
+  give_all_bonds({own.bonds, own.history, own.warm}, part, shared, all, whole);
   return whole;
 }
 

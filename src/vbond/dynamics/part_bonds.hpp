@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "vbond/dynamics/exchange.hpp"
+#include "vbond/core/communicator.hpp"
 #include "vbond/dynamics/order.hpp"
 #include "vbond/model/body_part.hpp"
 #include "vbond/model/state.hpp"
@@ -42,6 +42,12 @@ std::vector<WarmBond> in_order_of_bonds(std::vector<WarmBond> warm);
 /// they are the leader's.
 PartBonds keep_own_bonds(State& state, const Order& order, bool leads, SharedByBonds& shared);
 
+/// The same of a state that has these of its own already. Throws std::logic_error if they are not those of
+/// this order.
+PartBonds keep_known_bonds(BondsFromSetUp own, const State& state, const Order& order, SharedByBonds& shared);
+/// What the bonds of the whole body share.
+SharedByBonds shared_by(const BondsFromSetUp& own);
+
 /// Takes up what the whole body has of bonds from this one on, which are new.
 void take_up_bonds(const State& whole, std::size_t first, const Order& order, State& state, PartBonds& bonds,
                    SharedByBonds& shared);
@@ -49,9 +55,9 @@ void take_up_bonds(const State& whole, std::size_t first, const Order& order, St
 /// A copy of the state with the bonds of all parts, which call this together. They send each other some at a
 /// time, in the order of their numbers in the whole body.
 State with_all_bonds(State& state, const PartBonds& bonds, const SharedByBonds& shared,
-                     const Exchange& exchange);
+                     const Communicator& all);
 /// The same of a state that is not needed as it is.
 State with_all_bonds(State&& state, const PartBonds& bonds, const SharedByBonds& shared,
-                     const Exchange& exchange);
+                     const Communicator& all);
 
 }  // namespace vbond

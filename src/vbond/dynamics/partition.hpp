@@ -1,8 +1,12 @@
 #pragma once
 #include <cstdint>
+#include <optional>
+#include <stdexcept>
+#include <vector>
 
 #include "vbond/dynamics/exchange.hpp"
 #include "vbond/dynamics/order.hpp"
+#include "vbond/model/body_part.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/stage.hpp"
 #include "vbond/model/state.hpp"
@@ -18,6 +22,8 @@ struct Share {
   /// Not once one has gone farther than this: it could not be found again. Such a body diverges.  [length]
   double lost_beyond = 0;
   bool begins = false;  ///< with it the stage begins, or goes on after a checkpoint
+  /// If the state has own bonds alone already.
+  std::optional<BondsFromSetUp> bonds = {};
 };
 
 /// What the processes must know of each other's particles in a stage: those that are nearer than this may
@@ -32,11 +38,19 @@ Acquaintance acquaintance(const Model& model, const Stage& stage, const State& s
 bool knows_all(const Model& model, const Stage& stage, const State& state);
 
 /// Spreads the particles of a body over processes, which exchange what they need of each other. All processes
-/// call these functions at the same time, with the same whole state.
+/// call these functions at the same time, with the same whole state unless it says so.
 class Partition : public Exchange {
  public:
-  /// As a stage begins or goes on. reach: particles that are nearer than this may touch or be bonded; 0:
-  /// none  [length]. knows_all: each process must know all particles.
+  /// Before a body has bonds: the own particles of this process, in increasing order, if the next stage
+  /// begins in this state with so many bonds of each first particle; longest: of these  [length].
+  virtual std::vector<ParticleId> spread_first(const Model& /*model*/, const State& /*state*/,
+                                               const PerParticle<std::uint32_t>& /*bonds*/,
+                                               double /*longest*/) {
+    throw std::logic_error("these processes do not spread a body before it has bonds");
+  }
+  /// As a stage begins or goes on; after spread_first the state has own bonds alone. reach: particles that
+  /// are nearer than this may touch or be bonded; 0: none  [length]. knows_all: each process must know all
+  /// particles.
   virtual Share spread(const Model& model, const State& state, double reach, bool knows_all) = 0;
   /// The same body, whose particles have moved since.
   virtual Share spread_anew(const Model& model, const State& state) = 0;

@@ -33,8 +33,10 @@ const Model& consistent(const Model& model, const Stage& stage, const State& sta
 }
 
 /// Those of others make room before there are rows and packs.
-PartBonds bonds_of_part(const Model& model, const Stage& stage, const Order& order, const Exchange* exchange,
+PartBonds bonds_of_part(const Model& model, const Stage& stage, Share& share, const Exchange* exchange,
                         State& state, SharedByBonds& shared) {
+  const Order& order = share.order;
+  if (share.bonds) return keep_known_bonds(*std::exchange(share.bonds, {}), state, order, shared);
   if (exchange == nullptr || exchange->ranks() == 1 || knows_all(model, stage, state)) return {};
   return keep_own_bonds(state, order, exchange->leads(), shared);
 }
@@ -64,7 +66,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
       before_hold_(take_hold(model, stage_.supports, state_)),
       booked_(state_.books),
       is_part_(exchange != nullptr),
-      part_bonds_(bonds_of_part(model, stage_, share.order, exchange, state_, shared_)),
+      part_bonds_(bonds_of_part(model, stage_, share, exchange, state_, shared_)),
       bodies_(model, std::move(share.order)),
       images_(bodies_.order),
       exchange_(is_part_ ? *exchange : images_),

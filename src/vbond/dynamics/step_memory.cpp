@@ -83,11 +83,13 @@ MemoryUse memory_use(const Model& model, const State& state) {
                       2 * sizeof(BondIndex::Entry)};
 }
 
-double memory_of_each_rank(const Model& model, const State& state, int ranks) {
+double memory_of_each_rank(const Model& model, const State& state, double bonds, int ranks, RanksKeep keep) {
   const MemoryUse use = memory_use(model, state);
-  const auto n = static_cast<double>(model.particles()), bonds = static_cast<double>(state.bonds.size());
+  const auto n = static_cast<double>(model.particles());
   const double elsewhere = 1.0 - 1.0 / ranks;
   const double rows_elsewhere = any_capsules(model.contact, state.bonds) ? 0.0 : row_bytes * elsewhere;
+  if (ranks > 1 && keep == RanksKeep::own_bonds)
+    return n * (use.per_particle - rows_elsewhere) + bonds / ranks * (use.per_bond + sizeof(BondId));
   const double bond_elsewhere = (constants_per_bond(state) + 2 * sizeof(BondIndex::Entry)) * elsewhere;
   return n * (use.per_particle - rows_elsewhere) + bonds * (use.per_bond - bond_elsewhere);
 }

@@ -15,9 +15,13 @@ struct MemoryUse {
 /// particle, as a mean over all.
 MemoryUse memory_use(const Model& model, const State& state);
 
-/// What each of so many ranks, >= 1, takes at least as the time loop begins, and as State is collected: all
-/// have model and state of the whole body then; rows of particles, constants and index of bonds are shared
-/// out.  [bytes]
-double memory_of_each_rank(const Model& model, const State& state, int ranks);
+/// Bonds of a body with so many, of which ranks keep their own alone from the set-up on, or each has all as a
+/// stage begins.
+enum class RanksKeep : bool { all_bonds, own_bonds };
+
+/// What each of so many ranks, >= 1, takes at least as the time loop begins: all have model and state of all
+/// particles then; rows of particles, constants and index of bonds are shared out, and bonds if they keep
+/// their own alone. The state may be that of one of them.  [bytes]
+double memory_of_each_rank(const Model& model, const State& state, double bonds, int ranks, RanksKeep keep);
 
 }  // namespace vbond

@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -37,6 +39,17 @@ struct PartBonds {
   }
 };
 
+/// The bonds that one of several processes keeps of a body from its set-up on, while it still has all
+/// particles. `all` is nullptr: the state has all bonds.
+struct BondsFromSetUp {
+  PartBonds part;           ///< `others`: the ends of all bonds that it does not keep
+  std::vector<Bond> kinds;  ///< in the whole body the first ones of each law and of all rules, in order
+  PerBond<Bond> first;      ///< of the first pair of the body
+  const Communicator* all = nullptr;
+
+  std::size_t bonds() const { return part.names.size() + part.others.size(); }  ///< of the whole body
+};
+
 /// What one process sees of a body that several may share: sums over what is its own, added up, are of the
 /// whole body. Each particle is the own one of one process, and a bond that of its first particle; a pair
 /// that touches is that of its lower number. One process that has the whole body owns all of it.
@@ -44,6 +57,12 @@ class BodyPart {
  public:
   /// The whole body. Keeps a reference.
   BodyPart(const State& whole) : state(whole), all(alone()) {}
+  /// The whole body, whose particles each of these processes has, and own bonds alone: as it is set up. Sums
+  /// over particles are of each. Keeps references.
+  BodyPart(const State& whole, const BondsFromSetUp& bonds)
+      : state(whole),
+        all(bonds.all != nullptr ? *bonds.all : alone()),
+        bonds_(bonds.all != nullptr ? &bonds.part : nullptr) {}
   /// A part: own says of each particle whether it is, near are those that the state shows. Keeps references.
   BodyPart(const State& shown, const PerParticle<char>& own, const PartBonds& bonds,
            std::vector<ParticleId> near_ones, const Communicator& processes)
@@ -57,7 +76,8 @@ class BodyPart {
   /// for, in increasing order; nobody where no distance was asked for.
   std::vector<ParticleId> near;
 
-  bool is_whole() const { return own_ == nullptr; }
+  bool is_whole() const { return own_ == nullptr; }  ///< all particles are its own
+  bool has_all_bonds() const { return own_ == nullptr && bonds_ == nullptr; }
   bool has(ParticleId p) const { return own_ == nullptr || (*own_)[p] != 0; }
   /// Whether a bond of the state is its own; and the number of that bond in the whole body, by which files
   /// and messages know it.
@@ -93,5 +113,25 @@ class BodyPart {
   const PerParticle<char>* own_ = nullptr;
   const PartBonds* bonds_ = nullptr;
 };
+
+/// The whole body, with all bonds where `own` is null.
+inline BodyPart body_of(const State& whole, const std::shared_ptr<const BondsFromSetUp>& own) {
+  return own != nullptr ? BodyPart(whole, *own) : BodyPart(whole);
+}
+
+/// How many bonds there are of which this holds, in all parts.
+template <class Holds>
+std::int64_t count_bonds(const BodyPart& body, Holds holds) {
+  std::int64_t here = 0;
+  for (const Bond& b : body.state.bonds) here += holds(b) && body.has(b) ? 1 : 0;
+  auto all = static_cast<double>(here);  // exact below 2^53
+  body.all.sum({&all, 1});
+  return static_cast<std::int64_t>(all);
+}
+/// Broken ones, too.
+inline std::int64_t count_bonds(const BodyPart& body) {
+  if (body.has_all_bonds()) return static_cast<std::int64_t>(body.state.bonds.size());
+  return count_bonds(body, [](const Bond&) { return true; });
+}
 
 }  // namespace vbond

@@ -31,15 +31,16 @@ struct PresentContacts {
   PerParticle<double> number, overlap;  ///< overlap: the largest  [length]
 };
 
-PresentContacts present_contacts(const Model& model, const State& state, const RigidBodies& bodies,
+PresentContacts present_contacts(const Model& model, const BodyPart& body, const RigidBodies& bodies,
                                  std::vector<BoundWall>& walls) {
+  const State& state = body.state;
   PresentContacts found{PerParticle<double>(model.particles(), 0.0),
                         PerParticle<double>(model.particles(), 0.0)};
   const auto add = [&found](ParticleId p, double overlap) {
     found.number[p] += 1.0;
     found.overlap[p] = std::max(found.overlap[p], overlap);
   };
-  for_touching_pairs(model, state, bodies, [&](ParticleId i, ParticleId j, const Image&, double overlap) {
+  for_touching_pairs(model, body, bodies, [&](ParticleId i, ParticleId j, const Image&, double overlap) {
     add(i, overlap), add(j, overlap);
   });
   for (const auto& [c, touching, history] : fibre_touches(model, state)) {
@@ -176,10 +177,11 @@ std::string ContactBound::source(const Model& model) const {
   return of + ", " + model.materials[first].name + " with " + model.materials[second].name;
 }
 
-ContactBound contact_bound(const Model& model, const State& state, const std::vector<WallDrive>& drives,
+ContactBound contact_bound(const Model& model, const BodyPart& body, const std::vector<WallDrive>& drives,
                            const std::vector<BondingRule>& rules, double to_come,
                            const std::vector<Support>& supports) {
   if (model.contact.law == ContactLaw::none || model.particles() == 0) return {};
+  const State& state = body.state;
   const PerParticle<double> radius = touched_radii(model, state, rules);
   const double R_max = *std::max_element(radius.begin(), radius.end());
   if (!(R_max > 0.0)) return {};
@@ -187,7 +189,7 @@ ContactBound contact_bound(const Model& model, const State& state, const std::ve
   const std::vector<PossibleTouch> touches = possible_touches(model, walls);
   if (touches.empty()) return {};
   const PresentContacts present =
-      present_contacts(model, state, RigidBodies(model.particles(), carried_by(supports)), walls);
+      present_contacts(model, body, RigidBodies(model.particles(), carried_by(supports)), walls);
   share_masses(model, state, drives, walls);
 
   const TouchForms forms = touch_forms(model.contact);

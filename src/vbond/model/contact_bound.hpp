@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "vbond/model/body_part.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/stage.hpp"
 #include "vbond/model/state.hpp"
@@ -22,7 +23,7 @@ struct ContactBound {
 
 /// docs/contacts.md has the formulas. to_come: so many contacts a particle is taken to have at least.
 /// supports: of the stage, for the masses by which contacts damp.
-ContactBound contact_bound(const Model& model, const State& state, const std::vector<WallDrive>& drives,
+ContactBound contact_bound(const Model& model, const BodyPart& body, const std::vector<WallDrive>& drives,
                            const std::vector<BondingRule>& rules = {}, double to_come = 1.0,
                            const std::vector<Support>& supports = {});
 /// Of a particle in a random heap of equal spheres, on average (isostatic: twice three).

@@ -58,11 +58,10 @@ std::string motion_of(const Element& e) {
   return element_bound(c, i, j, pull) < 0.5 * lambda ? "the damping of " + motion : motion;
 }
 
-PerParticle<double> bonds_of_particles(const Model& model, const State& state,
+PerParticle<double> bonds_of_particles(const Model& model, const BodyPart& body,
                                        const std::vector<BondingRule>& rules) {
   PerParticle<double> n(model.particles(), 0.0);
-  for (const Bond& b : state.bonds)
-    if (!b.broken) n[b.i] += 1.0, n[b.j] += 1.0;
+  body.for_bonded([&n](ParticleId i, ParticleId j, const Image&, bool) { n[i] += 1.0, n[j] += 1.0; });
   for (const BondingRule& rule : rules)
     for (const ParticleId p : n.ids())
       if (rule.in_a[p.value] || rule.in_b[p.value]) n[p] = std::max(n[p], bonds_of_close_packing);
@@ -99,7 +98,27 @@ std::optional<Element> element_now(const State& state, BondId id, const Element&
   return now;
 }
 
-Largest largest_of_bonds(const Model& model, const State& state, const PerParticle<double>& n) {
+/// That of all processes, of which each has looked at its own bonds: of equal ones that of the first bond.
+void take_largest_of_all(const Communicator& all, Largest& largest) {
+  struct Found {
+    double lambda;
+    BondId bond;
+  };
+  std::vector<Found> mine;
+  if (largest.bond) mine.push_back({largest.lambda, *largest.bond});
+  const std::vector<Found> found = all.gather(mine);
+  if (found.empty()) return;
+  const Found& of_all = *std::min_element(found.begin(), found.end(), [](const Found& a, const Found& b) {
+    return a.lambda > b.lambda || (a.lambda == b.lambda && a.bond < b.bond);
+  });
+  const bool is_mine = largest.bond && *largest.bond == of_all.bond;
+  const std::vector<char> source = all.gather(
+      is_mine ? std::vector<char>(largest.source.begin(), largest.source.end()) : std::vector<char>{});
+  largest = {of_all.lambda, of_all.bond, {}, std::string(source.begin(), source.end())};
+}
+
+Largest largest_of_bonds(const Model& model, const BodyPart& body, const PerParticle<double>& n) {
+  const State& state = body.state;
   Largest largest;
   const auto take = [&](BondId id, const Element& e) {
     const double lambda = e.lambda();
@@ -113,9 +132,11 @@ Largest largest_of_bonds(const Model& model, const State& state, const PerPartic
   }
   if (largest.bond) {
     const Bond& b = state.bonds[*largest.bond];
+    largest.bond = body.name(*largest.bond);
     largest.source = motion_of(largest.element) + " of bond " + std::to_string(largest.bond->value) +
                      " (particles " + std::to_string(b.i.value) + ", " + std::to_string(b.j.value) + ")";
   }
+  if (!body.has_all_bonds()) take_largest_of_all(body.all, largest);
   return largest;
 }
 
@@ -157,23 +178,24 @@ double lambda_of_rule(const Model& model, const BondingRule& rule, std::string& 
 
 }  // namespace
 
-StepBound step_bound(const Model& model, const State& state, const std::vector<BondingRule>& rules,
+StepBound step_bound(const Model& model, const BodyPart& body, const std::vector<BondingRule>& rules,
                      const std::vector<WallDrive>& drives, double contacts_to_come,
                      const std::vector<Support>& supports) {
+  const State& state = body.state;
   if (!state.waiting.empty() && !model.sources.empty()) {  // bodies bring bonds along
     State with_all = with_bonds_to_come(model, state);
     with_all.waiting.clear();
     with_all.dropped = absent(state);
     return step_bound(model, with_all, rules, drives, contacts_to_come, supports);
   }
-  Largest largest = largest_of_bonds(model, state, bonds_of_particles(model, state, rules));
+  Largest largest = largest_of_bonds(model, body, bonds_of_particles(model, body, rules));
   for (const BondingRule& rule : rules) {
     std::string motion;
     const double lambda = lambda_of_rule(model, rule, motion);
     if (!(lambda <= largest.lambda))
       largest = {lambda, std::nullopt, {}, motion + " of a bond that \"" + rule.name + "\" may still make"};
   }
-  const ContactBound contact = contact_bound(model, state, drives, rules, contacts_to_come, supports);
+  const ContactBound contact = contact_bound(model, body, drives, rules, contacts_to_come, supports);
   if (contact.lambda > 0.0) {
     const std::string source = contact.source(model);
     if (contact.lambda > largest.lambda) largest.bond.reset();
@@ -187,14 +209,15 @@ StepBound step_bound(const Model& model, const State& state, const std::vector<B
   return {critical_step(largest.lambda), largest.bond, largest.source};
 }
 
-StepBound step_bound(const Model& model, const State& state, const Stage& stage, Spins spins) {
-  StepBound bound = step_bound(model, state, stage.bonding, stage.walls, 1.0, stage.supports);
+StepBound step_bound(const Model& model, const BodyPart& body, const Stage& stage, Spins spins) {
+  const State& state = body.state;
+  StepBound bound = step_bound(model, body, stage.bonding, stage.walls, 1.0, stage.supports);
   const auto take_up = [&](const State& extreme) {
     StepBound then = step_bound(model, extreme, stage.bonding, stage.walls, 1.0, stage.supports);
     if (then.dt < bound.dt) bound = std::move(then);
   };
   Terms::for_each([&]<class T>(T) { T::for_extremes(state, stage, take_up); });
-  return within_turns(with_terms(std::move(bound), model, state, stage), model, state, stage, spins);
+  return within_turns(with_terms(std::move(bound), model, state, stage), model, body, stage, spins);
 }
 
 StepBound with_terms(StepBound bound, const Model& model, const State& state, const Stage& stage) {
@@ -208,11 +231,11 @@ StepBound with_terms(StepBound bound, const Model& model, const State& state, co
   return bound;
 }
 
-StepBound within_turns(StepBound bound, const Model& model, const State& state, const Stage& stage,
+StepBound within_turns(StepBound bound, const Model& model, const BodyPart& body, const Stage& stage,
                        Spins spins) {
   // where nothing is elastic, supports and walls that turn set no step: nothing feels it
   const Stage none;
-  const FastestTurn turn = fastest_turn(model, state, std::isinf(bound.dt) ? none : stage, spins);
+  const FastestTurn turn = fastest_turn(model, body, std::isinf(bound.dt) ? none : stage, spins);
   if (!(turn.rate * bound.dt > longest_turn)) return bound;
   return {longest_turn / turn.rate, std::nullopt, turn.source + ", which has to be below 0.5 rad in a step"};
 }

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "vbond/model/body_part.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/stage.hpp"
 #include "vbond/model/state.hpp"
@@ -27,18 +28,19 @@ struct StepBound {
 /// is added to that of the bonds. Bonding rules: particles that a rule can bond count as having at least 12
 /// bonds, and a bond as long as the rule's distance between the lightest of them is included.
 /// supports: of the stage; contacts of clumps and of what is held are damped by other masses.
-StepBound step_bound(const Model& model, const State& state, const std::vector<BondingRule>& rules = {},
+/// body: all of it, of whose bonds each of several processes may have its own.
+StepBound step_bound(const Model& model, const BodyPart& body, const std::vector<BondingRule>& rules = {},
                      const std::vector<WallDrive>& drives = {}, double contacts_to_come = 1.0,
                      const std::vector<Support>& supports = {});
 /// With the supports, bonding rules and terms of a stage, and no more than turns may take (within_turns).
-StepBound step_bound(const Model& model, const State& state, const Stage& stage,
+StepBound step_bound(const Model& model, const BodyPart& body, const Stage& stage,
                      Spins spins = Spins::counted);
 
 /// The bound, shorter by what the terms of the stage add: a bound of the same kind, of an exact step as well.
 StepBound with_terms(StepBound bound, const Model& model, const State& state, const Stage& stage);
 
 /// The bound, or the step in which what turns fastest in the stage turns by longest_turn if that is shorter.
-StepBound within_turns(StepBound bound, const Model& model, const State& state, const Stage& stage,
+StepBound within_turns(StepBound bound, const Model& model, const BodyPart& body, const Stage& stage,
                        Spins spins = Spins::counted);
 
 }  // namespace vbond

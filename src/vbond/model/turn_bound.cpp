@@ -15,10 +15,10 @@ double largest_factor(const TimeFunction& f) {
 
 /// Of each particle, whether its orientation is felt: by bonds, present or to come, by its own inertia, or by
 /// its group.
-std::vector<char> feel_turns(const Model& model, const State& state, const Stage& stage) {
+std::vector<char> feel_turns(const Model& model, const BodyPart& body, const Stage& stage) {
   std::vector<char> feels(model.particles(), 0);
-  for (const Bond& b : state.bonds)
-    if (!b.broken) feels[b.i.value] = feels[b.j.value] = 1;
+  body.for_bonded(
+      [&feels](ParticleId i, ParticleId j, const Image&, bool) { feels[i.value] = feels[j.value] = 1; });
   for (const ParticleId p : model.mass.ids()) {
     if (model.is_top(p)) feels[p.value] = 1;
     for (const BondingRule& rule : stage.bonding)
@@ -32,13 +32,14 @@ std::vector<char> feel_turns(const Model& model, const State& state, const Stage
 
 }  // namespace
 
-FastestTurn fastest_turn(const Model& model, const State& state, const Stage& stage, Spins spins) {
+FastestTurn fastest_turn(const Model& model, const BodyPart& body, const Stage& stage, Spins spins) {
+  const State& state = body.state;
   FastestTurn fastest;
   const auto look = [&](double rate, const auto& name) {
     if (rate > fastest.rate) fastest = {rate, "the turning of " + name()};
   };
   if (spins == Spins::counted) {
-    const std::vector<char> feels = feel_turns(model, state, stage);
+    const std::vector<char> feels = feel_turns(model, body, stage);
     for (const ParticleId p : state.omega.ids())
       if (feels[p.value]) look(norm(state.omega[p]), [p] { return "particle " + std::to_string(p.value); });
   }

@@ -1,6 +1,7 @@
 #pragma once
 #include <string>
 
+#include "vbond/model/body_part.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/stage.hpp"
 #include "vbond/model/state.hpp"
@@ -33,7 +34,7 @@ inline bool turns_freely(const Support& s) {
   return is_free_grip(s) && !(s.held[3] && s.held[4] && s.held[5]);
 }
 
-FastestTurn fastest_turn(const Model& model, const State& state, const Stage& stage,
+FastestTurn fastest_turn(const Model& model, const BodyPart& body, const Stage& stage,
                          Spins spins = Spins::counted);
 
 }  // namespace vbond

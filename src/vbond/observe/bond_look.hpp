@@ -45,20 +45,6 @@ inline RangeCounts count_ranges(const BodyView& body) {
   return {static_cast<std::int64_t>(sums[0]), static_cast<std::int64_t>(sums[1])};
 }
 
-/// How many bonds there are of which this holds, in all parts.
-template <class Holds>
-std::int64_t count_bonds(const BodyPart& body, Holds holds) {
-  std::int64_t here = 0;
-  for (const Bond& b : body.state.bonds) here += holds(b) && body.has(b) ? 1 : 0;
-  auto all = static_cast<double>(here);  // exact below 2^53
-  body.all.sum({&all, 1});
-  return static_cast<std::int64_t>(all);
-}
-/// Broken ones, too.
-inline std::int64_t count_bonds(const BodyPart& body) {
-  if (body.is_whole()) return static_cast<std::int64_t>(body.state.bonds.size());
-  return count_bonds(body, [](const Bond&) { return true; });
-}
 /// How many bonds have broken; those that rub from then on, too.
 inline std::int64_t count_broken(const BodyPart& body) {
   return count_bonds(body, has_failed);

@@ -147,22 +147,33 @@ StaticResult result_of(const FiledFound& f, double load_factor) {
   return r;
 }
 
-void file_factor(const KeptFactorUnderWay& k, FiledFracture& to) {
+using Pairs = std::vector<std::pair<ParticleId, ParticleId>>;
+
+std::vector<FiledPair> filed_pairs(const Pairs& pairs) {
+  std::vector<FiledPair> rows;
+  for (const auto& [i, j] : pairs) rows.push_back({i, j});
+  return rows;
+}
+Pairs pairs_of(const std::vector<FiledPair>& rows) {
+  Pairs pairs;
+  for (const FiledPair& p : rows) pairs.emplace_back(p.i, p.j);
+  return pairs;
+}
+
+void file_factor(const KeptFactorUnderWay& k, const Pairs& pattern, FiledFracture& to) {
   if (k.random != std::mt19937_64()) to.random = words_of(k.random);
   if (!k.made_at) return;
   const KeptFactorUnderWay::Place& at = *k.made_at;
-  to.factor = {at.load_factor, at.breaks, k.proofs, k.spent, k.in_cycle, k.recent};
+  to.factor = {at.load_factor, at.breaks, k.proofs, k.spent, k.in_cycle, k.slow, k.wasted, k.recent};
   to.factor_r = at.r, to.factor_q = at.q;
   for (const CellEdge& e : at.cell) to.factor_cell.push_back({e.along});
   for (const KeptFactorUnderWay::Change& c : k.changes) {
     to.change_sizes.push_back({static_cast<std::int32_t>(c.unknowns.size())});
     for (const std::int32_t u : c.unknowns) to.change_unknowns.push_back({u});
     for (const double x : c.numbers) to.change_numbers.push_back({x});
+    to.change_least.push_back({c.least_part});
   }
-  for (const auto& unknowns : k.breaks) {
-    to.break_sizes.push_back({static_cast<std::int32_t>(unknowns.size())});
-    for (const std::int32_t u : unknowns) to.break_unknowns.push_back({u});
-  }
+  if (at.pattern != pattern) to.factor_pattern = filed_pairs(at.pattern);
   to.random_as_made = words_of(k.random_as_made);
 }
 
@@ -175,7 +186,7 @@ std::vector<Value> take(const std::vector<Row>& rows, std::size_t& from, std::si
   return values;
 }
 std::size_t size_of(const FiledCount& size) {
-  constexpr std::int32_t most = 24;  // degrees of freedom of the ends of a bond, twice
+  constexpr std::int32_t most = 1000;  // unknowns: their squares are stored
   require(size.value > 0 && size.value <= most, "a change of its factor has an impossible size");
   return static_cast<std::size_t>(size.value);
 }
@@ -184,32 +195,31 @@ KeptFactorUnderWay factor_of(const FiledFracture& f) {
   KeptFactorUnderWay k;
   if (!f.random.empty()) k.random = random_of(f.random);
   if (f.factor_r.empty()) return k;
-  KeptFactorUnderWay::Place at{f.factor_r, f.factor_q, {}, f.factor.load_factor, f.factor.breaks};
+  KeptFactorUnderWay::Place at{f.factor_r, f.factor_q, {}, f.factor.load_factor, f.factor.breaks, {}};
   for (const FiledPlace& e : f.factor_cell) at.cell.push_back({.along = e.value});
+  at.pattern = pairs_of(f.factor_pattern.empty() ? f.pattern : f.factor_pattern);
   k.made_at = std::make_shared<const KeptFactorUnderWay::Place>(std::move(at));
-  std::size_t unknown = 0, number = 0, of_break = 0;
+  std::size_t unknown = 0, number = 0;
   for (const FiledCount& c : f.change_sizes) {
     const std::size_t size = size_of(c);
-    KeptFactorUnderWay::Change change{take<std::int32_t>(f.change_unknowns, unknown, size), {}};
+    KeptFactorUnderWay::Change change{take<std::int32_t>(f.change_unknowns, unknown, size), {}, 1e-3};
     change.numbers = take<double>(f.change_numbers, number, size * size);
+    if (k.changes.size() < f.change_least.size()) change.least_part = f.change_least[k.changes.size()].value;
     k.changes.push_back(std::move(change));
   }
-  for (const FiledCount& c : f.break_sizes)
-    k.breaks.push_back(take<std::int32_t>(f.break_unknowns, of_break, size_of(c)));
   const auto exists = [&](const FiledCount& u) { return u.value >= 0 && u.value < f.numbers.unknowns; };
-  for (const auto* unknowns : {&f.change_unknowns, &f.break_unknowns})
-    require(std::all_of(unknowns->begin(), unknowns->end(), exists), "its factor is of other unknowns");
+  require(std::all_of(f.change_unknowns.begin(), f.change_unknowns.end(), exists),
+          "its factor is of other unknowns");
   k.random_as_made = random_of(f.random_as_made);
   k.proofs = f.factor.proofs, k.spent = f.factor.spent, k.in_cycle = f.factor.in_cycle;
-  k.recent = f.factor.recent;
+  k.slow = f.factor.slow, k.wasted = f.factor.wasted, k.recent = f.factor.recent;
   return k;
 }
 
 /// The tangent has room for all bonds that are left.
 bool has_room(const FiledFracture& f, const State& state) {
   if (f.pattern.empty()) return true;
-  std::vector<std::pair<ParticleId, ParticleId>> pairs;
-  for (const FiledPair& p : f.pattern) pairs.emplace_back(p.i, p.j);
+  Pairs pairs = pairs_of(f.pattern);
   std::sort(pairs.begin(), pairs.end());
   return std::all_of(state.bonds.begin(), state.bonds.end(), [&](const Bond& b) {
     return b.broken || std::binary_search(pairs.begin(), pairs.end(), std::pair(b.i, b.j));
@@ -231,7 +241,8 @@ void check_sense(const FiledFracture& f, const FractureUnderWay& then, const Mod
                 b.point <= f.found.points,
             "a break is of none of its bonds");
   for (const HeldPart& part : then.held) require(part.particle.value < n, "a part that is held is missing");
-  for (const FiledPair& p : f.pattern) require(p.i.value <= n && p.j.value <= n, "its tangent is of others");
+  for (const auto* pairs : {&f.pattern, &f.factor_pattern})
+    for (const FiledPair& p : *pairs) require(p.i.value <= n && p.j.value <= n, "its tangent is of others");
   require(has_room(f, state), "its tangent lacks a bond");
   require(f.rate.empty() || static_cast<std::int64_t>(f.rate.size()) == f.numbers.unknowns,
           "it moves other unknowns");
@@ -253,9 +264,9 @@ void write_fracture(H5Writer& file, const FractureUnderWay& now) {
   for (const HeldPart& part : now.held) f.held.push_back(filed_part(part));
   f.turned = rows_with<FiledTurn>(now.turned_at_start);
   f.turns_of_grips = rows_with<FiledTurn>(now.turns_of_grips);
-  for (const auto& [i, j] : *now.pattern) f.pattern.push_back({i, j});
+  f.pattern = filed_pairs(*now.pattern);
   f.remembered = now.remembered_before, f.of_tangent = now.remembered_of_tangent;
-  file_factor(now.factor, f);
+  file_factor(now.factor, *now.pattern, f);
   write_tables(file, under_way_table, f);
   file.go_into(begun_path);
   write_tables(file, state_table, *now.begun);
@@ -288,9 +299,7 @@ std::shared_ptr<const FractureUnderWay> read_fracture(H5Reader& file, const Mode
   for (const FiledPart& row : f.held) then->held.push_back(part_of(row));
   then->turned_at_start = values_in<Quatd>(f.turned);
   then->turns_of_grips = values_in<Quatd>(f.turns_of_grips);
-  auto pattern = std::make_shared<std::vector<std::pair<ParticleId, ParticleId>>>();
-  for (const FiledPair& p : f.pattern) pattern->emplace_back(p.i, p.j);
-  then->pattern = std::move(pattern);
+  then->pattern = std::make_shared<const Pairs>(pairs_of(f.pattern));
   then->remembered_before = f.remembered, then->remembered_of_tangent = f.of_tangent;
   then->begun = std::make_shared<const State>(std::move(begun));
   then->factor = factor_of(f);

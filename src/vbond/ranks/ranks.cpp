@@ -55,10 +55,16 @@ PerParticle<Vec3d> straightened(const Model& model, const State& state) {
   return places;
 }
 
-/// What each particle costs in a step: by itself, and its bonds.
-PerParticle<double> work_of(const Model& model, const State& state) {
+/// What each particle costs in a step by itself.
+PerParticle<double> work_of_particles(const Model& model, const State& state) {
   PerParticle<double> work(model.particles(), static_cast<double>(work_of_particle(model)));
   for (const ParticleId p : absent(state)) work[p] = 1e-6;  // LAMMPS wants some of each atom
+  return work;
+}
+
+/// The same with its bonds.
+PerParticle<double> work_of(const Model& model, const State& state) {
+  PerParticle<double> work = work_of_particles(model, state);
   for (const Bond& b : state.bonds)
     if (!b.broken) work[b.i] += 1.0;
   return work;
@@ -117,23 +123,44 @@ std::string Ranks::text_of_rank(int rank, std::string text) const {
   return text;
 }
 
+void Ranks::make_domains(const Model& model, const State& state, const PerParticle<double>& work,
+                         double longest) {
+  order_ = spatial_order(model.r_0);
+  domains_.reset();
+  const double size = size_of_domains(state, longest);
+  lost_beyond_ = farthest_found * size;
+  domains_ = std::make_unique<Domains>(order_, straightened(model, state), work, size);
+}
+
+std::vector<ParticleId> Ranks::spread_first(const Model& model, const State& state,
+                                            const PerParticle<std::uint32_t>& bonds, double longest) {
+  const Waiting waiting(*this);
+  const Acquaintance known = acquaintance(model, {}, state);
+  reach_ = known.reach, knows_all_ = known.knows_all;
+  PerParticle<double> work = work_of_particles(model, state);
+  for (const ParticleId p : work.ids()) work[p] += static_cast<double>(bonds[p]);
+  make_domains(model, state, work, longest);
+  longest_first_ = longest;
+  return domains_->own();
+}
+
 Share Ranks::spread(const Model& model, const State& state, double reach, bool knows_all) {
   if (begun_ < 0.0) begun_ = seconds_at_work() - waited_;
   const Waiting waiting(*this);
+  if (const auto longest = std::exchange(longest_first_, {});
+      longest && reach == reach_ && knows_all == knows_all_)
+    return share_of(model, state, *longest);
   reach_ = reach, knows_all_ = knows_all;
-  order_ = spatial_order(model.r_0);
-  domains_.reset();
-  const double size = size_of_domains(state);
-  lost_beyond_ = farthest_found * size;
-  domains_ = std::make_unique<Domains>(order_, straightened(model, state), work_of(model, state), size);
-  return share_of(model, state);
+  const double longest = longest_bond(state);
+  make_domains(model, state, work_of(model, state), longest);
+  return share_of(model, state, longest);
 }
 
 Share Ranks::spread_anew(const Model& model, const State& state) {
   const Waiting waiting(*this);
   domains_->redistribute(straightened(model, state), work_of(model, state));
   const std::vector<ParticleId> before = own_;
-  Share share = share_of(model, state);
+  Share share = share_of(model, state, longest_bond(state));
   std::int64_t come = 0;
   for (const ParticleId p : own_) come += !std::binary_search(before.begin(), before.end(), p);
   MPI_Allreduce(MPI_IN_PLACE, &come, 1, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
@@ -147,8 +174,8 @@ double Ranks::ghost_reach() const {
 }
 
 /// The least that domains can sensibly be as large as.
-double Ranks::size_of_domains(const State& state) const {
-  if (!knows_all_) return std::max({std::numeric_limits<double>::min(), longest_bond(state), ghost_reach()});
+double Ranks::size_of_domains(const State& state, double longest) const {
+  if (!knows_all_) return std::max({std::numeric_limits<double>::min(), longest, ghost_reach()});
   double farthest2 = 0.0;  // all are ghosts of all
   for (const Vec3d& r : state.r) farthest2 = std::max(farthest2, norm2(r - *state.r.begin()));
   return std::max(1.0, 2.0 * std::sqrt(farthest2));
@@ -157,7 +184,7 @@ double Ranks::size_of_domains(const State& state) const {
 /// Particles are to be spread anew because ghosts may be missing of what may meet; or else, as bonds keep
 /// theirs however far they move, because domains are to be compact, once a particle has gone a quarter of the
 /// longest bond.
-Share Ranks::share_of(const Model& model, const State& state) {
+Share Ranks::share_of(const Model& model, const State& state, double longest) {
   own_ = domains_->own();
   std::erase_if(own_, [&state](ParticleId p) { return is_absent(state, p); });
   // those of all particles and no cell need no reach
@@ -172,7 +199,7 @@ Share Ranks::share_of(const Model& model, const State& state) {
   halo_.take_rows(share.order);
   if (reach > 0.0)
     share.farthest = 0.5 * margin * reach_;
-  else if (const double longest = longest_bond(state); longest > 0.0)
+  else if (longest > 0.0)
     share.farthest = 0.25 * longest;
   return share;
 }

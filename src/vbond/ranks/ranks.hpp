@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -15,7 +16,7 @@
 namespace vbond {
 
 /// The ranks of MPI, which has begun, as the processes that step a body. Each of them makes the same Run,
-/// with the whole body, and steps its part of it (Run::spread_over). All ranks call these functions at
+/// with all particles, and steps its part of it (Run::spread_over). All ranks call these functions at
 /// the same time; each may call alone those that say so.
 class Ranks : public Partition {
  public:
@@ -40,6 +41,8 @@ class Ranks : public Partition {
   /// Whether something that was done together has failed: all ranks know. May be called by one rank alone.
   bool has_failed_together() const { return has_failed_together_; }
 
+  std::vector<ParticleId> spread_first(const Model& model, const State& state,
+                                       const PerParticle<std::uint32_t>& bonds, double longest) override;
   Share spread(const Model& model, const State& state, double reach, bool knows_all) override;
   Share spread_anew(const Model& model, const State& state) override;
 
@@ -56,9 +59,10 @@ class Ranks : public Partition {
   struct Counts;
   Counts counts(std::size_t mine) const;
   std::string text_of_rank(int rank, std::string text) const;
-  Share share_of(const Model& model, const State& state);
+  Share share_of(const Model& model, const State& state, double longest);
+  void make_domains(const Model& model, const State& state, const PerParticle<double>& work, double longest);
   double ghost_reach() const;
-  double size_of_domains(const State& state) const;
+  double size_of_domains(const State& state, double longest) const;
 
   int rank_ = 0, size_ = 1, here_ = 1;
   std::int64_t migrations_ = 0, redistributions_ = 0;
@@ -69,6 +73,7 @@ class Ranks : public Partition {
   double reach_ = 0;        // of what may touch or be bonded
   bool knows_all_ = false;  // each rank knows all particles
   double lost_beyond_ = 0;
+  std::optional<double> longest_first_;  // of the bonds to come, since spread_first  [length]
   std::unique_ptr<Domains> domains_;
   std::vector<ParticleId> own_;  // in increasing order
   Halo halo_;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -18,22 +19,37 @@ namespace {
 
 constexpr const char* whose_limit = "the memory of the machine, or the limit of its container or of ulimit";
 
-void require(double bytes, const std::string& what, const Case& c) {
-  const double limit = memory_limit();
+/// The most that any of these processes takes, and the least that there may be for one: so all refuse, or
+/// none.
+struct Needed {
+  Needed(double needed, double there, const Communicator& all) : bytes(needed), limit(there) {
+    std::array<double, 2> largest{bytes, -limit};
+    all.max(largest);
+    bytes = largest[0], limit = -largest[1];
+  }
+  double bytes, limit;
+};
+
+std::string limit_in_words(double limit) {
+  return fmt::format("{}: {}", bytes_in_units(limit), whose_limit);
+}
+
+void require(double here, const std::string& what, const Case& c, const Communicator& all) {
+  const auto [bytes, limit] = Needed(here, memory_limit(), all);
   if (bytes <= limit) return;
   throw CaseError({{c.file, 0, 0},
                    fmt::format("{} take at least {} of memory", what, bytes_in_units(bytes)),
-                   "there may be " + memory_limit_in_words(),
+                   "there may be " + limit_in_words(limit),
                    "take fewer particles, or another machine"});
 }
 
-void require(double bytes, const Case& c, const RanksHere& ranks) {
-  const double limit = machine_memory();
+void require(double here, const Case& c, const RanksHere& ranks, const Communicator& all) {
+  const auto [bytes, limit] = Needed(here, machine_memory(), all);
   if (bytes <= limit) return;
   throw CaseError(
       {{c.file, 0, 0},
        fmt::format("{} ranks on one machine take at least {} of memory", ranks.number, bytes_in_units(bytes)),
-       fmt::format("there may be {}, and each rank holds the whole body", bytes_in_units(limit)),
+       fmt::format("there may be {}, and each rank holds all particles", bytes_in_units(limit)),
        "take fewer ranks, or more machines, or vbond --threads N, which holds the body once"});
 }
 
@@ -105,15 +121,17 @@ std::string bytes_in_units(double bytes) {
 
 void require_memory(const Case& c) {
   const double n = count_particles(c);
-  require(n * memory_use({}, {}).per_particle, fmt::format("{:.0f} particles", n), c);
+  require(n * memory_use({}, {}).per_particle, fmt::format("{:.0f} particles", n), c, alone());
 }
 
-void require_memory(const Case& c, const Model& model, const State& state) {
-  const MemoryUse use = memory_use(model, state);
+void require_memory(const Case& c, const Model& model, const BodyPart& body) {
+  const MemoryUse use = memory_use(model, body.state);
+  const double to_come = bonds_to_come(model, body.state);
   const auto n = static_cast<double>(model.particles()),
-             bonds = static_cast<double>(state.bonds.size()) + bonds_to_come(model, state);
-  require(n * use.per_particle + bonds * use.per_bond,
-          fmt::format("{:.0f} particles and {:.0f} bonds", n, bonds), c);
+             here = static_cast<double>(body.state.bonds.size()) + to_come;
+  const double bonds = static_cast<double>(count_bonds(body)) + to_come;
+  require(n * use.per_particle + here * use.per_bond,
+          fmt::format("{:.0f} particles and {:.0f} bonds", n, bonds), c, body.all);
 }
 
 std::vector<BondsToCome> bonds_to_come(const Case& c, const Run& run) {
@@ -129,15 +147,18 @@ std::vector<BondsToCome> bonds_to_come(const Case& c, const Run& run) {
 }
 
 void require_memory(const Case& c, const RanksHere& ranks) {
-  require(count_particles(c) * memory_use({}, {}).per_particle * ranks.number, c, ranks);
+  require(count_particles(c) * memory_use({}, {}).per_particle * ranks.number, c, ranks, alone());
 }
 
-void require_memory(const Case& c, const Model& model, const State& state, const RanksHere& ranks) {
-  require(ranks.number * memory_of_each_rank(model, state, ranks.all), c, ranks);
+void require_memory(const Case& c, const Model& model, const BodyPart& body, const RanksHere& ranks) {
+  const RanksKeep keep = body.has_all_bonds() ? RanksKeep::all_bonds : RanksKeep::own_bonds;
+  const double of_each =
+      memory_of_each_rank(model, body.state, static_cast<double>(count_bonds(body)), ranks.all, keep);
+  require(ranks.number * of_each, c, ranks, body.all);
 }
 
 std::string memory_limit_in_words() {
-  return fmt::format("{}: {}", bytes_in_units(memory_limit()), whose_limit);
+  return limit_in_words(memory_limit());
 }
 
 }  // namespace vbond

@@ -15,8 +15,8 @@ std::string bytes_in_units(double bytes);
 /// Throws CaseError if the particles that the case makes cannot fit into memory: before any is made.
 void require_memory(const Case& c);
 
-/// The same for a body with its bonds, as the time loop will hold it.
-void require_memory(const Case& c, const Model& model, const State& state);
+/// The same for a body with its bonds, as the time loop will hold it; of which this process may have its own.
+void require_memory(const Case& c, const Model& model, const BodyPart& body);
 
 /// What a rule of bonding on approach may bond, as the particles stand now.
 struct BondsToCome {
@@ -35,9 +35,9 @@ struct RanksHere {
   int all = 1;  ///< ranks of the run, on all machines
 };
 
-/// As above, of these ranks together: each holds the whole body.
+/// As above, of these ranks together: each holds all particles, and all bonds or its own.
 void require_memory(const Case& c, const RanksHere& ranks);
-void require_memory(const Case& c, const Model& model, const State& state, const RanksHere& ranks);
+void require_memory(const Case& c, const Model& model, const BodyPart& body, const RanksHere& ranks);
 
 /// How much memory there may be, and whose limit that is.
 std::string memory_limit_in_words();

@@ -168,6 +168,8 @@ void Run::take_part() {
   const Acquaintance known = acquaintance(model_, stage, state_);
   Share share = partition_->spread(model_, state_, known.reach, known.knows_all);
   share.begins = true;
+  if (own_ != nullptr) share.bonds = std::exchange(*own_, {});
+  own_.reset();
   simulation_ = part_of(std::move(state_), std::move(share));
 }
 
@@ -295,6 +297,11 @@ const State& Run::current() const {
     whole.clock = state_.clock;
     whole.sources = std::move(state_.sources);
     state_ = std::move(whole);
+  }
+  if (own_ != nullptr) {
+    const BondsFromSetUp own = std::exchange(*own_, {});
+    own_.reset();
+    state_ = with_all_bonds(std::move(state_), own.part, shared_by(own), *own.all);
   }
   return state_;
 }

@@ -80,6 +80,10 @@ class Run {
   /// for the one that leads to say. Must live as long as the run. Such a stage must not drop particles, nor
   /// have rigid groups that are free in part.
   void spread_over(Partition& partition) { partition_ = &partition; }
+  /// The state that the run begins with has the own bonds of this process alone, as build() has kept them: to
+  /// be said before anything else is asked of the run, of which spread_over() must follow. The first stage
+  /// takes them over.
+  void begin_with_own_bonds(std::shared_ptr<BondsFromSetUp> own) { own_ = std::move(own); }
   /// The state that the run begins with is of a stage of fracture, which goes on from there: its under_way()
   /// of then. Throws if it is not of that stage and point.
   void go_on_within(std::shared_ptr<const FractureUnderWay> then);
@@ -129,6 +133,9 @@ class Run {
   /// The same without a copy, good until the run goes on or is changed. While several processes step the
   /// body, and once after its last stage, they collect it from each other.
   const State& current() const;
+  /// The body as the run begins, before it steps: of its bonds each process may have its own. Keeps
+  /// references.
+  BodyPart body_at_start() const { return body_of(state_, own_); }
   /// The time loop of the dynamic stage under way, for energies, reactions and times; null without one.
   const Simulation* simulation() const { return simulation_.get(); }
   /// Of a stage of fracture that is under way, or was interrupted: what it knows beside state(); null: the
@@ -182,6 +189,7 @@ class Run {
   Observers observers_;
   RunHooks hooks_;
   Partition* partition_ = nullptr;                       // null: one process
+  mutable std::shared_ptr<BondsFromSetUp> own_;          // null: the state has all bonds
   std::optional<AnyStage> stage_;                        // that was prepared
   std::size_t bonds_before_ = 0, histories_before_ = 0;  // prepare()
   EnergyBooks books_before_;

@@ -93,7 +93,8 @@ class GivenStages : public Stages {
 
 class CaseStages : public Stages {
  public:
-  CaseStages(const Case& c, int threads) : c_(c), threads_(threads) {}
+  CaseStages(const Case& c, int threads, std::shared_ptr<const BondsFromSetUp> own)
+      : c_(c), threads_(threads), own_(std::move(own)) {}
   std::size_t size() const override { return c_.stages.size(); }
   StageKind kind(std::size_t k) const override { return c_.stages.at(k).kind; }
   std::string name(std::size_t k) const override { return c_.stages.at(k).name; }
@@ -102,7 +103,7 @@ class CaseStages : public Stages {
   AnyStage make(std::size_t k, const Model& model, State& state) const override {
     const int index = static_cast<int>(k);
     if (is_static(kind(k))) return build_static_stage(c_, model, index, state, threads_);
-    return build_stage(c_, model, index, state, exact_step(), threads_);
+    return build_stage(c_, model, index, state, exact_step(), threads_, own_);
   }
 
   std::vector<std::string> notes(std::size_t k, const State& state, std::size_t bonds_before) const override {
@@ -125,6 +126,7 @@ class CaseStages : public Stages {
  private:
   const Case& c_;
   int threads_;
+  std::shared_ptr<const BondsFromSetUp> own_;
 };
 
 }  // namespace
@@ -142,9 +144,10 @@ std::unique_ptr<const Stages> given_stages(std::vector<AnyStage> stages) {
   return std::make_unique<GivenStages>(std::move(stages));
 }
 
-std::unique_ptr<const Stages> stages_of(const Case& c, int threads) {
+std::unique_ptr<const Stages> stages_of(const Case& c, int threads,
+                                        std::shared_ptr<const BondsFromSetUp> own) {
   require_statics(c);
-  return std::make_unique<CaseStages>(c, threads);
+  return std::make_unique<CaseStages>(c, threads, std::move(own));
 }
 
 void require_statics(const Case& c) {

@@ -7,6 +7,7 @@
 
 #include "vbond/case/case.hpp"
 #include "vbond/core/error.hpp"
+#include "vbond/model/body_part.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/stage.hpp"
 #include "vbond/model/state.hpp"
@@ -48,9 +49,11 @@ class Stages {
 std::unique_ptr<const Stages> given_stages(std::vector<AnyStage> stages);
 
 /// The stages of a case, made as it is then: keeps a reference to it. Throws CaseError as require_statics
-/// does. threads: see build().
-std::unique_ptr<const Stages> stages_of(const Case& c, int threads = 0);
-std::unique_ptr<const Stages> stages_of(const Case&&, int threads = 0) = delete;
+/// does. threads: see build(). own: if the state of the first stage has own bonds alone.
+std::unique_ptr<const Stages> stages_of(const Case& c, int threads = 0,
+                                        std::shared_ptr<const BondsFromSetUp> own = {});
+std::unique_ptr<const Stages> stages_of(const Case&&, int threads = 0,
+                                        std::shared_ptr<const BondsFromSetUp> own = {}) = delete;
 
 /// Throws CaseError if the case needs statics and this library was built without.
 void require_statics(const Case& c);

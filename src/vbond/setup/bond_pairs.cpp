@@ -197,7 +197,7 @@ void leave_out(const BondShare& share, SelectedPairs& selected) {
 }  // namespace
 
 SelectedPairs select_pairs(const Case& c, std::size_t set, const Model& model, const State& state,
-                           Problems& problems, SharedCells& shared) {
+                           Problems& problems, SharedCells& shared, std::span<const SelectedPairs> before) {
   const BondSpec& spec = c.bonds[set];
   const Group* a = look_up_group(spec.between[0], model, problems);
   const Group* b = look_up_group(spec.between[1], model, problems);
@@ -213,6 +213,8 @@ SelectedPairs select_pairs(const Case& c, std::size_t set, const Model& model, c
                           membership(*b, model),
                           {}};
   for (const Bond& bond : state.bonds) selection.bonded[pair_of(bond)] = bond.set;
+  for (std::uint32_t k = 0; k < before.size(); ++k)
+    for (const Pair& pair : before[k].pairs) selection.bonded[pair] = k;
   try {
     SelectedPairs selected = selection.select();
     const std::size_t all = selected.pairs.size();

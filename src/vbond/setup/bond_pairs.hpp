@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -83,9 +84,10 @@ void keep_those_that_share_faces(const Model& model, const State& state, double 
                                  std::vector<Pair>& pairs);
 
 /// The pairs that set number `set` of the case bonds between the particles as they stand in `state`, in
-/// order.
+/// order. Bonded already are those of the state, and of the sets before it where their pairs are given.
 SelectedPairs select_pairs(const Case& c, std::size_t set, const Model& model, const State& state,
-                           Problems& problems, SharedCells& shared);
+                           Problems& problems, SharedCells& shared,
+                           std::span<const SelectedPairs> before = {});
 
 /// A line for each bond set with a file of pairs, where a specimen of rows of a file is cut: whoever wrote
 /// the pairs may have had the rows in mind.

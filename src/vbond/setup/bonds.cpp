@@ -11,6 +11,7 @@
 #include "vbond/model/joint_cells.hpp"
 #include "vbond/model/make_bond.hpp"
 #include "vbond/model/touching.hpp"
+#include "vbond/setup/own_bonds.hpp"
 
 namespace vbond {
 namespace {
@@ -106,7 +107,7 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
 }
 
 void make_bonds(const Case& c, std::size_t set, const Model& model, State& state,
-                const SelectedPairs& selected, Problems& problems) {
+                const SelectedPairs& selected, Problems& problems, BondKeeper* keeper) {
   const BondSpec& spec = c.bonds[set];
   BondRecipe recipe = spec.recipe;
   recipe.set = static_cast<std::uint32_t>(set);
@@ -117,7 +118,12 @@ void make_bonds(const Case& c, std::size_t set, const Model& model, State& state
   const double U = potential_energies(model, state).contact, flowed = dissipated_by_flow(state),
                slip = stored_slip(model, state);
   double longest = INFINITY;  // of bonds that soften
-  state.bonds.reserve(state.bonds.size() + selected.pairs.size() * cells.size());
+  const auto take_up = [&](const Bond& bond) {
+    add_bond(model, bond, recipe, state);
+    if (keeper != nullptr) keeper->look_at_last(state);
+  };
+  state.bonds.reserve(state.bonds.size() + (keeper != nullptr ? keeper->expect(selected.pairs, cells.size())
+                                                              : selected.pairs.size() * cells.size()));
   for (std::size_t k = 0; k < selected.pairs.size(); ++k) {
     const Pair& pair = selected.pairs[k];
     if (is_absent(state, pair.i) || is_absent(state, pair.j)) continue;
@@ -153,10 +159,9 @@ void make_bonds(const Case& c, std::size_t set, const Model& model, State& state
       no_capsule.note(fmt::format("particles {} and {} are {:.6g} apart, the capsule's radius is {:.6g}",
                                   pair.i.value, pair.j.value, distance, bond->capsule));
     }
-    add_bond(model, *bond, recipe, state);
+    take_up(*bond);
     const EnergyBooks booked = state.books;  // a pair gives its repulsion up once; cells are made at rest
-    for (std::size_t cell = 1; cell < cells.size(); ++cell)
-      add_bond(model, *make_bond(cells[cell], site_i, site_j), recipe, state);
+    for (std::size_t cell = 1; cell < cells.size(); ++cell) take_up(*make_bond(cells[cell], site_i, site_j));
     state.books = booked;
   }
   if (any_capsules(model.contact, state.bonds)) {  // what others touch changes, too
@@ -205,16 +210,16 @@ bool expect_bonds(const Case& c, std::size_t set, const Model& model, State& sta
   return all;
 }
 
-std::vector<std::string> notes_on_prestrain(const Case& c, const Model& model, const State& state) {
+std::vector<std::string> notes_on_prestrain(const Case& c, const Model& model, const BodyPart& body) {
+  const State& state = body.state;
   constexpr std::uint32_t sample = 1000;
   std::vector<std::string> notes;
   for (std::size_t set = 0; set < c.bonds.size(); ++set) {
     const BondSpec& spec = c.bonds[set];
     if (spec.recipe.prestrain == 0.0 || !(spec.recipe.weibull.modulus > 0.0)) continue;
     if (spec.when == BondTime::start) {
-      const auto all =
-          std::count_if(state.bonds.begin(), state.bonds.end(), [&](const Bond& b) { return b.set == set; });
-      const auto weak = std::count_if(state.bonds.begin(), state.bonds.end(), [&](const Bond& b) {
+      const auto all = count_bonds(body, [&](const Bond& b) { return b.set == set; });
+      const auto weak = count_bonds(body, [&](const Bond& b) {
         return b.set == set &&
                breaks_as_made(b, bond_site(model, state, b.i), bond_site(model, state, b.j, b.image_j));
       });

@@ -6,11 +6,14 @@
 
 #include "vbond/case/case.hpp"
 #include "vbond/core/problems.hpp"
+#include "vbond/model/body_part.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/setup/bond_pairs.hpp"
 
 namespace vbond {
+
+class BondKeeper;
 
 /// Makes the bonds of set number `set` of the case between the particles as they stand in `state`, in order
 /// of (i, j), i < j. Pairs bonded already are passed over if selected by distance or bonded by this same
@@ -18,9 +21,9 @@ namespace vbond {
 void add_bonds(const Case& c, std::size_t set, const Model& model, State& state, Problems& problems,
                SharedCells& shared);
 
-/// The same for pairs that have been selected.
+/// The same for pairs that have been selected. keeper: of these bonds the state keeps some.
 void make_bonds(const Case& c, std::size_t set, const Model& model, State& state,
-                const SelectedPairs& selected, Problems& problems);
+                const SelectedPairs& selected, Problems& problems, BondKeeper* keeper = nullptr);
 
 /// Looks ahead at a set that makes its bonds when particles have moved on from where they stand in `state`.
 /// Pairs that are listed are bonded as they stand, and what is wrong with them wherever they stand is
@@ -38,7 +41,7 @@ void refuse_broken_by_prestrain(const BondSpec& spec, const std::string& what, P
 
 /// Which sets have bonds that are by chance weaker than what their prestrain brings, and how many; of bonds
 /// made on approach about how many, from a thousand at their distance.
-std::vector<std::string> notes_on_prestrain(const Case& c, const Model& model, const State& state);
+std::vector<std::string> notes_on_prestrain(const Case& c, const Model& model, const BodyPart& body);
 
 /// Longitudinal stiffness of the first bond of the body, or of the one that the first bond set would make;
 /// nothing if the case has no bonds.  [force/length]

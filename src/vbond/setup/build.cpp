@@ -9,6 +9,7 @@
 #include <set>
 #include <utility>
 
+#include "vbond/model/mistakes.hpp"
 #include "vbond/model/passage.hpp"
 #include "vbond/setup/bonds.hpp"
 #include "vbond/setup/case_cell.hpp"
@@ -17,6 +18,7 @@
 #include "vbond/setup/groups.hpp"
 #include "vbond/setup/inertia.hpp"
 #include "vbond/setup/motion_stages.hpp"
+#include "vbond/setup/own_bonds.hpp"
 #include "vbond/setup/source_bonds.hpp"
 #include "vbond/setup/stage_step.hpp"
 #include "vbond/setup/velocities.hpp"
@@ -157,7 +159,10 @@ void note_bond_types(const Case& c, const std::vector<PlacedSpecimen>& specimens
 /// 2 pi sqrt(m / c_A); 0 if there is none, and then no time may be given in it.
 double natural_time(const Case& c, const Built& built, Problems& problems) {
   const double two_pi = 2.0 * std::numbers::pi;
-  const auto c_A = built.model.sources.empty()
+  State of_first;  // if this process may not have it
+  if (built.own) of_first.bonds = built.own->first;
+  const auto c_A = !of_first.bonds.empty() ? first_c_A(c, built.model, of_first)
+                   : built.model.sources.empty()
                        ? first_c_A(c, built.model, built.state)
                        : first_c_A(c, built.model, with_bonds_to_come(built.model, built.state));
   if (!c_A || !(*c_A > 0.0)) return c.units == UnitSystem::reduced ? two_pi : 0.0;
@@ -175,6 +180,28 @@ double natural_time(const Case& c, const Built& built, Problems& problems) {
 
 }  // namespace
 
+namespace {
+
+Built build_body(const Case& c, int threads, const KeepOwnBonds* processes);
+
+}  // namespace
+
+Built build(const Case& c, int threads) {
+  return build_body(c, threads, nullptr);
+}
+
+Built build(const Case& c, int threads, const KeepOwnBonds& processes) {
+  if (processes.all.ranks() == 1 || !may_keep_own_bonds(c)) return build(c, threads);
+  try {
+    Built built = build_body(c, threads, &processes);
+    const bool sound = mistakes_in(built.model, built.state).empty();
+    if (!processes.all.any(!sound)) return built;
+  } catch (const CaseError&) {
+    // told of the whole body, below
+  }
+  return build(c, threads);
+}
+
 double count_particles(const Case& c) {
   double n = 0.0;
   for (const SpecimenSpec& s : c.specimens) {
@@ -185,7 +212,9 @@ double count_particles(const Case& c) {
   return n;
 }
 
-Built build(const Case& c, int threads) {
+namespace {
+
+Built build_body(const Case& c, int threads, const KeepOwnBonds* processes) {
   Problems problems;
   Built built;
   Model& model = built.model;
@@ -223,10 +252,14 @@ Built build(const Case& c, int threads) {
   add_copies(c, built);
 
   SharedCells shared(threads);
-  for (std::size_t set = 0; set < c.bonds.size(); ++set)
-    if (c.bonds[set].when == BondTime::start) add_bonds_at_start(c, set, built, problems, shared);
+  if (processes != nullptr)
+    built.own =
+        std::make_shared<BondsFromSetUp>(make_own_bonds(c, model, state, *processes, problems, shared));
+  else
+    for (std::size_t set = 0; set < c.bonds.size(); ++set)
+      if (c.bonds[set].when == BondTime::start) add_bonds_at_start(c, set, built, problems, shared);
   check_pairs_of_sources(c, model, problems);
-  check_overlaps(c, built, built.state, problems);
+  check_overlaps(c, built, built.body(), problems);
   for (const Source& source : model.sources) check_overlaps(c, built, body_alone(built, source), problems);
   model.T_0 = natural_time(c, built, problems);
   add_velocities(c, model, state, problems);
@@ -240,8 +273,10 @@ Built build(const Case& c, int threads) {
   check_durations(c, built, problems);
   problems.throw_if_any();
   for (std::string& note : notes_on_pairs(c)) built.notes.push_back(std::move(note));
-  for (std::string& note : notes_on_prestrain(c, model, state)) built.notes.push_back(std::move(note));
+  for (std::string& note : notes_on_prestrain(c, model, built.body())) built.notes.push_back(std::move(note));
   return built;
 }
+
+}  // namespace
 
 }  // namespace vbond

@@ -1,11 +1,13 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "vbond/case/case.hpp"
+#include "vbond/model/body_part.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/specimen_figures.hpp"
 #include "vbond/model/stage.hpp"
@@ -16,6 +18,8 @@
 
 namespace vbond {
 
+struct KeepOwnBonds;
+
 /// A case turned into numbers: what stays and what changes.
 struct Built {
   Model model;
@@ -25,6 +29,11 @@ struct Built {
   /// Specimens of packed grains and what they are like; places and radii stand in the model.
   std::vector<std::pair<std::string, packing::Packing>> packings;
   std::vector<SpecimenFigures> figures;  ///< of specimens that are made at random
+  /// Where this process keeps its own bonds alone, what it knows of all; else null.
+  std::shared_ptr<BondsFromSetUp> own = {};
+
+  /// Keeps references.
+  BodyPart body() const { return body_of(state, own); }
 };
 
 /// Particles that the case makes itself; those that it reads from files or cuts are not counted.
@@ -35,6 +44,9 @@ double count_particles(const Case& c);
 /// Throws CaseError with as many mistakes at once as do not depend on each other. Results do not depend on
 /// threads, which packings and Voronoi cells use; 0: as many as the machine runs at once.
 Built build(const Case& c, int threads = 0);
+/// The same, called by all of these processes together: each keeps its own bonds alone, if the case may be
+/// set up so (may_keep_own_bonds).
+Built build(const Case& c, int threads, const KeepOwnBonds& processes);
 
 /// The largest stable step of the assembled body in a stage  [time]; infinite if nothing is elastic;
 /// throws NoConvergence if it cannot be found.
@@ -47,12 +59,14 @@ using ExactCriticalStep = std::function<double(const Model&, const State&, const
 /// exact, or less where the times of the stage need it (fitting_step). Factors over time bend on steps
 /// (on_steps). A stage that is under way keeps state.clock.dt. Throws CaseError, also for a given step above
 /// the bound unless the case insists; std::logic_error if the stage is static.
+/// own: if the state has own bonds alone.
 Stage build_stage(const Case& c, const Model& model, int k, State& state,
-                  const ExactCriticalStep& exact_step = {}, int threads = 0);
+                  const ExactCriticalStep& exact_step = {}, int threads = 0,
+                  const std::shared_ptr<const BondsFromSetUp>& own = {});
 
 /// The step that a stage of dynamics would have in this state, before it is fitted to the stage's times;
 /// infinite if nothing is elastic.  [time]
-double expected_step(const Case& c, const Model& model, const State& state);
+double expected_step(const Case& c, const Model& model, const BodyPart& body);
 
 /// What dynamics stage k bonds on approach.
 std::vector<BondingRule> bonding_rules(const Case& c, const Model& model, std::size_t k);

@@ -73,7 +73,7 @@ std::vector<RigidBodies> bodies_of_stages(const Case& c, const Model& model) {
 
 }  // namespace
 
-void check_overlaps(const Case& c, const Built& built, const State& state, Problems& problems) {
+void check_overlaps(const Case& c, const Built& built, const BodyPart& body, Problems& problems) {
   constexpr double most = 0.5;  // of the smaller radius, as for walls
   const auto later = [](const BondSpec& b) { return b.when != BondTime::start; };
   if (std::any_of(c.bonds.begin(), c.bonds.end(), later)) return;
@@ -85,7 +85,7 @@ void check_overlaps(const Case& c, const Built& built, const State& state, Probl
     auto pair() const { return std::tuple(i, j, of_j); }
   };
   std::vector<Deep> deep;
-  for_touching_pairs(built.model, state, [&](ParticleId i, ParticleId j, const Image& n, double overlap) {
+  for_touching_pairs(built.model, body, [&](ParticleId i, ParticleId j, const Image& n, double overlap) {
     const double part = overlap / std::min(R[i], R[j]);
     if (part > most * (1.0 + 1e-9)) deep.push_back({i, j, n, part});
   });
@@ -98,9 +98,10 @@ void check_overlaps(const Case& c, const Built& built, const State& state, Probl
   });
   std::set<std::tuple<ParticleId, ParticleId, Image>> pairs, bonded;
   for (const Deep& d : deep) pairs.insert(d.pair());
-  for (const Bond& b : state.bonds)  // seen from either end
-    for (const auto& pair : {std::tuple(b.i, b.j, b.image_j), std::tuple(b.j, b.i, -b.image_j)})
+  body.for_bonded([&](ParticleId i, ParticleId j, const Image& n, bool) {  // seen from either end
+    for (const auto& pair : {std::tuple(i, j, n), std::tuple(j, i, -n)})
       if (pairs.count(pair) > 0) bonded.insert(pair);
+  });
   struct {
     double part = 0;
     ParticleId i, j;
@@ -122,7 +123,7 @@ void check_overlaps(const Case& c, const Built& built, const State& state, Probl
 }
 
 void check_durations(const Case& c, const Built& built, Problems& problems) {
-  const double dt = expected_step(c, built.model, built.state);
+  const double dt = expected_step(c, built.model, built.body());
   if (!(dt > 0.0)) return;
   for (const StageSpec& s : c.stages)
     if (!is_static(s.kind)) check_number_of_steps(s, s.duration.resolve(built.model.T_0), dt, problems);

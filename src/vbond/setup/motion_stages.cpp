@@ -235,7 +235,7 @@ std::vector<BondingRule> bonding_rules(const Case& c, const Model& model, std::s
 }
 
 Stage build_stage(const Case& c, const Model& model, int k, State& state, const ExactCriticalStep& exact_step,
-                  int threads) {
+                  int threads, const std::shared_ptr<const BondsFromSetUp>& own) {
   Problems problems;
   const auto index = static_cast<std::size_t>(k);
   if (is_static(c.stages.at(index).kind)) throw std::logic_error("build_stage: the stage is static");
@@ -250,7 +250,7 @@ Stage build_stage(const Case& c, const Model& model, int k, State& state, const 
   refuse_turned_through_face(c.stages[index], stage.supports, state, false, problems);
   complete_terms({c, model, c.stages[index], problems}, state, stage);
   problems.throw_if_any();
-  choose_fitting_step(c, index, model, state, exact_step, stage);
+  choose_fitting_step(c, index, model, body_of(state, own), exact_step, stage);
   put_on_steps(stage);
   return stage;
 }

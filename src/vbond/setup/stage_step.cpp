@@ -38,9 +38,9 @@ void take_given_step(const Case& c, const Model& model, const CaseTime& given, c
 
 /// Whether nothing is elastic because bonds have all broken or are still to come: for the flight of such
 /// particles the step of the first bond does, 2 / omega of omega = 2 pi / T0.
-bool flies_freely(const Case& c, const Model& model, const State& state) {
-  const auto holds = [](const Bond& b) { return !b.broken; };
-  return !c.bonds.empty() && model.T_0 > 0.0 && std::none_of(state.bonds.begin(), state.bonds.end(), holds);
+bool flies_freely(const Case& c, const Model& model, const BodyPart& body) {
+  return !c.bonds.empty() && model.T_0 > 0.0 &&
+         count_bonds(body, [](const Bond& b) { return !b.broken; }) == 0;
 }
 
 void take_fraction(const Case& c, const StageSpec& spec, const StepBound& critical, Stage& stage,
@@ -77,16 +77,17 @@ StepBound exact_bound(const Case& c, const Model& model, const State& state, con
   return within_turns(bound, model, state, stage);
 }
 
-void choose_step(const Case& c, const StageSpec& spec, const Model& model, const State& state,
+void choose_step(const Case& c, const StageSpec& spec, const Model& model, const BodyPart& body,
                  const ExactCriticalStep& exact_step, Stage& stage, Problems& problems) {
+  const State& state = body.state;
   const Spins spins = c.time.given() ? spins_against_given_step(state) : Spins::counted;
   StepBound critical = step_is_exact(c) ? exact_bound(c, model, state, stage, exact_step, problems)
-                                        : step_bound(model, state, stage, spins);
-  if (!c.time.given() && flies_freely(c, model, state) &&
-      std::isinf(step_bound(model, state, stage.bonding, stage.walls).dt))
+                                        : step_bound(model, body, stage, spins);
+  if (!c.time.given() && flies_freely(c, model, body) &&
+      std::isinf(step_bound(model, body, stage.bonding, stage.walls).dt))
     critical = within_turns(
         {model.T_0 / std::numbers::pi, std::nullopt, "T0/pi: nothing is elastic as the stage begins"}, model,
-        state, stage, spins);
+        body, stage, spins);
   stage.critical = critical.dt;
   if (!(critical.dt > 0.0))
     problems.add(
@@ -137,8 +138,9 @@ void check_servo_of_cell(const StageSpec& spec, const Model& model, const State&
 }
 
 /// Times that must span a step, and a mean force that needs bonds: known only when the step and bonds are.
-void check_against_step(const StageSpec& spec, const Model& model, const State& state, const Stage& stage,
+void check_against_step(const StageSpec& spec, const Model& model, const BodyPart& body, const Stage& stage,
                         Problems& problems) {
+  const State& state = body.state;
   check_servo_of_cell(spec, model, state, stage, problems);
   const auto too_short = [&](const SourcePlace& place, const char* what, double time) {
     if (time < stage.dt)
@@ -147,8 +149,7 @@ void check_against_step(const StageSpec& spec, const Model& model, const State& 
   };
   too_short(spec.place, "duration", stage.stops.duration);
   if (stage.stops.breaks && stage.bonding.empty()) {
-    const auto left = std::count_if(state.bonds.begin(), state.bonds.end(),
-                                    [](const Bond& b) { return !has_failed(b) && can_break(b); });
+    const auto left = count_bonds(body, [](const Bond& b) { return !has_failed(b) && can_break(b); });
     if (left < stage.stops.breaks->count)
       problems.add(spec.stop_breaks->place, fmt::format("stop.breaks.count = {}", stage.stops.breaks->count),
                    fmt::format("only {} bonds may break in stage \"{}\"", left, spec.name),
@@ -163,7 +164,7 @@ void check_against_step(const StageSpec& spec, const Model& model, const State& 
   };
   const auto inside = [&](const Bond& b) { return has(b.i) && has(b.j); };
   if (peak.quantity == PeakQuantity::compressive_force && stage.bonding.empty() &&
-      std::none_of(state.bonds.begin(), state.bonds.end(), inside))
+      count_bonds(body, inside) == 0)
     problems.add(spec.stop_peak->place, fmt::format("group \"{}\" has no bonds", spec.stop_peak->group.value),
                  "its mean force is taken over the bonds with both ends in the group", "name a bonded group");
 }
@@ -176,9 +177,9 @@ void fit_step(const StageSpec& spec, Stage& stage, Problems& problems) {
 
 }  // namespace
 
-double expected_step(const Case& c, const Model& model, const State& state) {
+double expected_step(const Case& c, const Model& model, const BodyPart& body) {
   const CaseTime* given = c.time.given();
-  return given ? given->resolve(model.T_0) : c.time.fraction * step_bound(model, state).dt;
+  return given ? given->resolve(model.T_0) : c.time.fraction * step_bound(model, body).dt;
 }
 
 void check_number_of_steps(const StageSpec& spec, double duration, double dt, Problems& problems) {
@@ -217,12 +218,12 @@ void refuse_exact_with_bonding(const Case& c, const Stage& stage, Problems& prob
                "leave step out: the automatic one leaves room for them");
 }
 
-void choose_fitting_step(const Case& c, std::size_t k, const Model& model, const State& state,
+void choose_fitting_step(const Case& c, std::size_t k, const Model& model, const BodyPart& body,
                          const ExactCriticalStep& exact_step, Stage& stage) {
   Problems problems;
-  choose_step(c, c.stages[k], model, state, exact_step, stage, problems);
+  choose_step(c, c.stages[k], model, body, exact_step, stage, problems);
   problems.throw_if_any();
-  check_against_step(c.stages[k], model, state, stage, problems);
+  check_against_step(c.stages[k], model, body, stage, problems);
   fit_step(c.stages[k], stage, problems);
   problems.throw_if_any();
 }

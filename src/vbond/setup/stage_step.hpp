@@ -13,7 +13,7 @@ void refuse_exact_with_bonding(const Case& c, const Stage& stage, Problems& prob
 
 /// Gives stage k, which begins in this state, the step that the case wants, taken down to one that its times
 /// are whole numbers of. Throws CaseError with all that is wrong with step and times.
-void choose_fitting_step(const Case& c, std::size_t k, const Model& model, const State& state,
+void choose_fitting_step(const Case& c, std::size_t k, const Model& model, const BodyPart& body,
                          const ExactCriticalStep& exact_step, Stage& stage);
 
 /// Refuses a duration of more steps of dt than any run will take.

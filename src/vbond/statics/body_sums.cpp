@@ -209,6 +209,33 @@ void StaticBody::add_pair(ParticleId i, ParticleId j, const Image& of_j, const B
   if (!of_j.is_itself() && moves_cell()) add_image(i, j, of_j, in_world);
 }
 
+DenseMatrix StaticBody::tangent_of(BondId k, const std::vector<int>& unknowns) const {
+  const Bond& b = state_.bonds[k];
+  Block K = Block::Zero();
+  if (!b.broken)
+    K += block_of(b.law->tangent(b, bond_pose(b, state_), history_before(k)), unknowns_.length());
+  bool touches = false;
+  for_touching([&](ParticleId i, ParticleId j, const Image& n, double) {
+    touches =
+        touches || (i == b.i && j == b.j && n == b.image_j) || (i == b.j && j == b.i && n == -b.image_j);
+  });
+  if (touches) K += block_of(touch(model_, state_, b.i, b.j, b.image_j));
+  K = stiffness_.assembly.in_axes(b.i, b.j, K);
+  const auto at = [&](int row) {
+    const int u = unknowns_.of(unknowns_.carrier(row < 6 ? b.i : b.j), row % 6);
+    return u == Unknowns::held ? Eigen::Index{-1}
+                               : std::lower_bound(unknowns.begin(), unknowns.end(), u) - unknowns.begin();
+  };
+  const auto size = static_cast<Eigen::Index>(unknowns.size());
+  DenseMatrix among = DenseMatrix::Zero(size, size);
+  if (b.image_j.is_itself() && stiffness_.assembly.move_as_one(b.i, b.j)) return among;
+  for (int row = 0; row < 12; ++row)
+    for (int column = 0; column < 12; ++column)
+      if (at(row) >= 0 && at(column) >= 0)
+        among(at(row), at(column)) += 0.5 * (K(row, column) + K(column, row));
+  return among;
+}
+
 /// What grows with the load factor: loads, the relief, which fades, and what terms change. What the latter do
 /// to a cell that gives way is part of it.
 void StaticBody::begin_load_direction() const {

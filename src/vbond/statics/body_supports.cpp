@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "vbond/statics/detail/body.hpp"
+#include "vbond/statics/detail/kinds.hpp"
 
 namespace vbond {
 
@@ -213,12 +214,18 @@ double StaticBody::share_held(const Support& s) const {
 
 Reaction StaticBody::reaction(const std::vector<ParticleId>& particles) const {
   const Loads& loads = loads_at_hand().loads;
+  const std::vector<HeldPart> floating =
+      floating_held(stage_);  // which bear what fades, and nothing of a support
+  const auto floats = [&floating](ParticleId p, int dof) {
+    return std::any_of(floating.begin(), floating.end(),
+                       [=](const HeldPart& part) { return part.particle == p && part.dof == dof; });
+  };
   Reaction r;
   for (const ParticleId p : particles) {
     const Movement load{loads.F[p], loads.M[p]};
     Movement held;
     for (int dof = 0; dof < 6; ++dof)
-      if (unknowns_.arm(p) != nullptr || unknowns_.of(p, dof) == Unknowns::held)
+      if (unknowns_.arm(p) != nullptr || (unknowns_.of(p, dof) == Unknowns::held && !floats(p, dof)))
         unknowns_.add(p, dof, -unknowns_.along(p, dof, load), held);
     const Vec3d &F = held.shift, &M = held.turn;
     r.force += F;

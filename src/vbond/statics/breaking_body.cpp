@@ -72,8 +72,8 @@ BreakingBody::BreakingBody(const Model& model, const StaticStage& stage, State n
   body_->set_turns_before(then.turns_of_grips);
   begun_ = then.begun;
   if (body_->unknowns().size() != n.unknowns) refuse_another_stage(then);
-  body_->make_room_for(*then.pattern, n.flows);
   go_on_with_kept_factor(then);
+  if (n.flows || *then.pattern != body_->pattern()) body_->make_room_for(*then.pattern, n.flows);
   body_->go_on_from(std::move(now), n.load_factor, n.breaks, then.remembered_before);
   refuse_another_stage(then);
   body_->take_tangent_of(then.remembered_of_tangent);
@@ -245,9 +245,12 @@ void BreakingBody::break_bond(BondId k, BreakMode mode) {
   for (const ParticleId p : {body_->unknowns().carrier(bond.i), body_->unknowns().carrier(bond.j)})
     for (int dof = 0; dof < 6; ++dof)
       if (const int u = body_->unknowns().of(p, dof); u != Unknowns::held) unknowns.push_back(u);
-  solver_->note_break(std::move(unknowns));
+  std::sort(unknowns.begin(), unknowns.end());
+  unknowns.erase(std::unique(unknowns.begin(), unknowns.end()), unknowns.end());
   stable_at_.reset();
+  const DenseMatrix before = body_->tangent_of(k, unknowns);
   body_->break_bond(k, mode);
+  solver_->note_change(unknowns, body_->tangent_of(k, unknowns) - before);
 }
 
 double BreakingBody::longest_step() const {

@@ -36,6 +36,7 @@ struct KeptFactorUnderWay {
   struct Change {
     std::vector<std::int32_t> unknowns;
     std::vector<double> numbers;
+    double least_part = 0;  ///< of the largest of its parts: what is less was left out
     friend bool operator==(const Change&, const Change&) = default;
   };
   struct Place {
@@ -44,15 +45,16 @@ struct KeptFactorUnderWay {
     CellEdges cell;
     double load_factor = 0;
     std::int64_t breaks = 0;  ///< since parts were held last
+    /// Pairs of nodes that the tangent had room for.
+    std::vector<std::pair<ParticleId, ParticleId>> pattern;
     friend bool operator==(const Place&, const Place&) = default;
   };
   std::shared_ptr<const Place>
       made_at;  ///< null: none is kept, and of the rest there are random numbers only
   std::vector<Change> changes;
-  std::vector<std::vector<std::int32_t>> breaks;  ///< unknowns of bonds that it does not know of yet
   std::mt19937_64 random_as_made, random;
   std::int64_t proofs = 0;
-  double spent = 0, in_cycle = 0, recent = 0;
+  double spent = 0, in_cycle = 0, slow = 0, wasted = 0, recent = 0;
 };
 
 struct FractureUnderWay {

@@ -10,6 +10,12 @@
 namespace vbond {
 namespace {
 
+/// Iterations that were needed more than if each left a hundredth, as where M is A but for small movements.
+double needless_iterations(const GradientsMade& made) {
+  const double iterations = static_cast<double>(made.alpha.size());
+  return std::max(0.0, iterations - std::log(made.left) / std::log(0.01));
+}
+
 /// An upper bound of the largest eigenvalue of D^-1/2 M D^-1/2 (Gershgorin).
 double largest_scaled_row(const SparseMatrix& M) {
   const Vector root = M.diagonal().cwiseSqrt();
@@ -39,6 +45,33 @@ DenseMatrix product(const SparseMatrix& A, const DenseMatrix& P) {
   return Y;
 }
 
+/// Unknowns whose own stiffness in A is much more or less than in M, and those with which they share that, in
+/// their order.
+std::vector<int> changed_unknowns(const SparseMatrix& A, const SparseMatrix& M) {
+  constexpr double much = 0.01;  // one of ten contacts of a grain has a thirtieth along some axis
+  const Vector a = A.diagonal(), m = M.diagonal();
+  std::vector<char> changed(static_cast<std::size_t>(m.size()), 0);
+  std::vector<int> unknowns;
+  for (int j = 0; j < A.outerSize(); ++j) {
+    if (!(std::abs(a[j] - m[j]) > much * m[j])) continue;
+    changed[static_cast<std::size_t>(j)] = 1;
+    const auto look = [&](int i, double change) {
+      if (std::abs(change) > much * std::sqrt(m[i] * m[j])) changed[static_cast<std::size_t>(i)] = 1;
+    };
+    SparseMatrix::InnerIterator of_M(M, j);
+    for (SparseMatrix::InnerIterator of_A(A, j); of_A; ++of_A) {
+      for (; of_M && of_M.row() < of_A.row(); ++of_M) look(static_cast<int>(of_M.row()), of_M.value());
+      const bool both = of_M && of_M.row() == of_A.row();
+      look(static_cast<int>(of_A.row()), of_A.value() - (both ? of_M.value() : 0.0));
+      if (both) ++of_M;
+    }
+    for (; of_M; ++of_M) look(static_cast<int>(of_M.row()), of_M.value());
+  }
+  for (int k = 0; k < static_cast<int>(changed.size()); ++k)
+    if (changed[static_cast<std::size_t>(k)] != 0) unknowns.push_back(k);
+  return unknowns;
+}
+
 }  // namespace
 
 void KeptFactor::begin(const SparseMatrix& A) {
@@ -49,10 +82,10 @@ void KeptFactor::begin(const SparseMatrix& A) {
   constexpr double largest_share = 0.5;  // of the memory, for the factor without the copy of half its size
   const bool has_room = factor_.bytes() <= largest_share * memory_limit();
   in_single_ = has_room && factor_.copy_to(single_) && single_is_near();
-  note_kappa();
+  kappa_ = 0.0;
   proofs_ = 0;
   price_ = 1.0;
-  spent_ = in_cycle_ = recent_ = 0.0;
+  spent_ = in_cycle_ = slow_ = wasted_ = recent_ = 0.0;
 }
 
 // Of a random side, which has something of all movements: what M leaves of a solution with the rounded
@@ -64,9 +97,11 @@ bool KeptFactor::single_is_near() {
 }
 
 /// That M is of the rounded factor adds to it.
-void KeptFactor::note_kappa() {
+double KeptFactor::kappa() {
+  if (kappa_ > 0.0) return kappa_;
   kappa_ = largest_scaled_row(M_);
   if (in_single_) kappa_ += SingleFactor::difference() * static_cast<double>(M_.rows());
+  return kappa_;
 }
 
 void KeptFactor::drop() {
@@ -75,7 +110,7 @@ void KeptFactor::drop() {
 }
 
 bool KeptFactor::is_due() const {
-  return in_cycle_ > patience() || (proofs_ > 0 && recent_ * proofs_ > cost_of_factor() + spent_);
+  return slow_ > patience() || (proofs_ > 0 && recent_ * proofs_ > cost_of_factor() + wasted_);
 }
 
 double KeptFactor::patience() const {
@@ -91,17 +126,25 @@ double KeptFactor::price_of(Eigen::Index columns) const {
   return price_ * (1.0 + 0.2 * static_cast<double>(columns - 1));
 }
 
-void KeptFactor::follow(const SparseMatrix& A, const std::vector<int>& unknowns) {
+void KeptFactor::follow(const std::vector<int>& unknowns, DenseMatrix change) {
+  constexpr double least_part = 1e-3;
+  follow(unknowns, std::move(change), least_part);
+}
+
+void KeptFactor::follow(const SparseMatrix& A) {
+  constexpr double least_part = 0.03;  // a contact has one part, and movement of all around it adds to it
+  constexpr std::size_t most = 120;    // unknowns: where more change iteration does, or a new factor
+  const std::vector<int> unknowns = changed_unknowns(A, M_);
+  if (unknowns.empty() || unknowns.size() > most) return;
   const auto at = [&unknowns](Eigen::Index k) { return unknowns[static_cast<std::size_t>(k)]; };
   const auto size = static_cast<Eigen::Index>(unknowns.size());
   DenseMatrix change(size, size);
   for (Eigen::Index j = 0; j < size; ++j)
     for (Eigen::Index i = 0; i < size; ++i) change(i, j) = A.coeff(at(i), at(j)) - M_.coeff(at(i), at(j));
-  follow(unknowns, std::move(change));
+  follow(unknowns, std::move(change), least_part);
 }
 
-void KeptFactor::follow(const std::vector<int>& unknowns, DenseMatrix change) {
-  constexpr double least_part = 1e-3;  // of the largest: what is less is movement, as everywhere else
+void KeptFactor::follow(const std::vector<int>& unknowns, DenseMatrix change, double least_part) {
   const auto at = [&unknowns](Eigen::Index k) { return unknowns[static_cast<std::size_t>(k)]; };
   const Eigen::Index size = change.rows();
   const DenseEigen parts = dense_eigenpairs(change);
@@ -112,7 +155,7 @@ void KeptFactor::follow(const std::vector<int>& unknowns, DenseMatrix change) {
     if (std::abs(parts.values[k]) > least) large.push_back(k);
   if (large.empty()) return;
 
-  Change c{unknowns, parts.vectors(Eigen::all, large), {}, {}, std::move(change)};
+  Change c{unknowns, parts.vectors(Eigen::all, large), {}, {}, std::move(change), least_part};
   const Vector values = parts.values(large);
   DenseMatrix Q = DenseMatrix::Zero(M_.rows(), c.Q.cols());
   Q(unknowns, Eigen::all) = c.Q;
@@ -128,7 +171,7 @@ void KeptFactor::follow(const std::vector<int>& unknowns, DenseMatrix change) {
   for (Eigen::Index j = 0; j < size; ++j)
     for (Eigen::Index i = 0; i < size; ++i)
       if (followed(i, j) != 0.0) M_.coeffRef(at(i), at(j)) += followed(i, j);
-  note_kappa();
+  kappa_ = 0.0;
   price_ += static_cast<double>(c.Z.size()) * sizeof(double) / ((in_single_ ? 1.0 : 2.0) * factor_.bytes());
   in_cycle_ += price_of(c.Z.cols());
   changes_.push_back(std::move(c));
@@ -137,10 +180,12 @@ void KeptFactor::follow(const std::vector<int>& unknowns, DenseMatrix change) {
 KeptFactorUnderWay KeptFactor::under_way() const {
   KeptFactorUnderWay now;
   for (const Change& c : changes_)
-    now.changes.push_back(
-        {{c.unknowns.begin(), c.unknowns.end()}, {c.given.data(), c.given.data() + c.given.size()}});
+    now.changes.push_back({{c.unknowns.begin(), c.unknowns.end()},
+                           {c.given.data(), c.given.data() + c.given.size()},
+                           c.least_part});
   now.random_as_made = random_as_made_, now.random = random_;
-  now.proofs = proofs_, now.spent = spent_, now.in_cycle = in_cycle_, now.recent = recent_;
+  now.proofs = proofs_, now.spent = spent_, now.in_cycle = in_cycle_;
+  now.slow = slow_, now.wasted = wasted_, now.recent = recent_;
   return now;
 }
 
@@ -150,12 +195,13 @@ bool KeptFactor::go_on_from(const SparseMatrix& A, const KeptFactorUnderWay& the
   for (const KeptFactorUnderWay::Change& c : then.changes) {
     const auto size = static_cast<Eigen::Index>(c.unknowns.size());
     follow(std::vector<int>(c.unknowns.begin(), c.unknowns.end()),
-           Eigen::Map<const DenseMatrix>(c.numbers.data(), size, size));
+           Eigen::Map<const DenseMatrix>(c.numbers.data(), size, size), c.least_part);
     if (!at_hand_) return false;
   }
   draw_on_from(then.random);
   proofs_ = static_cast<int>(then.proofs);
-  spent_ = then.spent, in_cycle_ = then.in_cycle, recent_ = then.recent;
+  spent_ = then.spent, in_cycle_ = then.in_cycle;
+  slow_ = then.slow, wasted_ = then.wasted, recent_ = then.recent;
   return true;
 }
 
@@ -174,7 +220,10 @@ std::optional<Vector> KeptFactor::solve(const SparseMatrix& A, const Vector& b, 
     in_cycle_ += price_;
     return solve_kept(v);
   };
-  return conjugate_gradients(times, inverse, b, {0.0, accuracy}, patience());
+  GradientsMade made;
+  std::optional<Vector> x = conjugate_gradients(times, inverse, b, {0.0, accuracy}, patience(), &made);
+  slow_ += needless_iterations(made);
+  return x;
 }
 
 std::optional<DenseMatrix> KeptFactor::gradients(const SparseMatrix& A, const DenseMatrix& B,
@@ -233,14 +282,20 @@ std::optional<Vector> KeptFactor::solve_if_definite(const SparseMatrix& A, const
   const Eigen::Index others = b.size() > 0 ? 1 : 0;
   DenseMatrix B(A.rows(), sides + others);
   for (Eigen::Index k = 0; k < sides; ++k) B.col(k) = random_side();
-  std::vector<Enough> enough(sides, Enough{delta / std::sqrt(kappa_), 0.0});
+  std::vector<Enough> enough(sides, Enough{delta / std::sqrt(kappa()), 0.0});
   if (others > 0) B.col(sides) = b, enough.push_back({0.0, accuracy});
   std::vector<GradientsMade> made;
   const std::optional<DenseMatrix> X = gradients(A, B, DenseMatrix::Zero(B.rows(), B.cols()), enough, &made);
+  double needed = 1.0;
+  for (const GradientsMade& m : made)
+    if (!m.alpha.empty())
+      needed = std::min(needed, 1.0 - needless_iterations(m) / static_cast<double>(m.alpha.size()));
   spent_ += in_cycle_;
   constexpr double weight = 0.25;  // after a break more are needed than after a step: a mean over some proofs
-  const double cycle = std::exchange(in_cycle_, 0.0);
-  recent_ += (proofs_++ == 0 ? 1.0 : weight) * (cycle - recent_);
+  const double wasted = (1.0 - needed / price_) * std::exchange(in_cycle_, 0.0);
+  slow_ = 0.0;
+  wasted_ += wasted;
+  recent_ += (proofs_++ == 0 ? 1.0 : weight) * (wasted - recent_);
   if (!X) return {};
   for (std::size_t k = 0; k < sides; ++k)
     if (!(smallest_ritz_value(made[k]) > soft)) return {};

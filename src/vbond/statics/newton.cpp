@@ -29,7 +29,7 @@ double accuracy_for(const StaticBody& body, const NewtonSettings& settings) {
 }
 
 /// Corrections by the kept factor alone, which take no tangent, as long as each leaves less than a tenth of
-/// what was unbalanced and is_good(where it began) besides; one that does not is taken back.
+/// what was unbalanced, or a balance, and is_good(where it began) besides; one that does not is taken back.
 template <class IsGood>
 void correct_roughly(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings,
                      const IsGood& is_good) {
@@ -40,7 +40,7 @@ void correct_roughly(StaticBody& body, TangentSolver& solver, const NewtonSettin
     if (x.size() == 0 || !(change_of(body, x) <= largest_change)) return;
     const Placement from = body.placement();
     body.move(x, from.load_factor);
-    if (body.residual() < fast * residual && is_good(from)) continue;
+    if ((body.residual() < fast * residual || in_balance(body, settings)) && is_good(from)) continue;
     body.restore(from);
     return;
   }

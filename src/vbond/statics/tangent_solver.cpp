@@ -48,6 +48,10 @@ bool TangentSolver::would_be_quicker_by_multigrid(const StaticBody& body) const 
 }
 
 void TangentSolver::prepare(const StaticBody& body) {
+  if (!kept_.at_hand()) find_order(body);
+}
+
+void TangentSolver::find_order(const StaticBody& body) {
   if (body.pattern_version() == analysed_) return;
   drop_kept();
   multigrid_.reset();
@@ -76,7 +80,7 @@ void TangentSolver::prepare(const StaticBody& body) {
 }
 
 bool TangentSolver::factor_definite(const StaticBody& body, double shift) {
-  prepare(body);
+  find_order(body);
   lost_ = any_signs_ = false;
   if (multigrid_) {
     multigrid_->take(body, shift);
@@ -92,13 +96,12 @@ void TangentSolver::keep(const StaticBody& body) {
   kept_.begin(body.tangent());
   const State& s = body.state();
   kept_of_ = std::make_shared<const KeptFactorUnderWay::Place>(
-      KeptFactorUnderWay::Place{s.r, s.q, s.cell, body.load_factor(), body.breaks()});
+      KeptFactorUnderWay::Place{s.r, s.q, s.cell, body.load_factor(), body.breaks(), body.pattern()});
 }
 
 KeptFactorUnderWay TangentSolver::kept_under_way() const {
   KeptFactorUnderWay now = kept_.under_way();
   if (kept_.at_hand()) now.made_at = kept_of_;
-  for (const std::vector<int>& unknowns : breaks_) now.breaks.emplace_back(unknowns.begin(), unknowns.end());
   return now;
 }
 
@@ -107,16 +110,16 @@ void TangentSolver::go_on_with_kept(StaticBody& body, const KeptFactorUnderWay& 
   kept_.draw_on_from(then.random);
   if (!then.made_at) return;
   const KeptFactorUnderWay::Place& at = *then.made_at;
+  body.make_room_for(at.pattern, false);
   body.stand_as_then({at.r, at.q, at.load_factor, at.cell}, broken);
-  prepare(body);
+  find_order(body);
   if (by_multigrid() || !factor_.factor_definite(body.tangent()) || !kept_.go_on_from(body.tangent(), then))
     return drop_kept();  // of another machine: a new one will do
   kept_of_ = then.made_at;
-  for (const auto& unknowns : then.breaks) breaks_.emplace_back(unknowns.begin(), unknowns.end());
 }
 
 std::optional<int> TangentSolver::factor(const StaticBody& body) {
-  prepare(body);
+  find_order(body);
   if (multigrid_) return counted_by_multigrid(body);
   if (TangentSolver::factor_definite(body)) return 0;
   return factor_.factor_indefinite(body.tangent());
@@ -152,7 +155,7 @@ Deflated TangentSolver::deflated(const StaticBody& body) {
 }
 
 EigenPairs TangentSolver::near_zero(const StaticBody& body, int count) {
-  prepare(body);
+  find_order(body);
   if (!multigrid_) return eigenpairs_near_zero(body.tangent(), count, &factor_);
   const int size = body.unknowns().size();
   multigrid_->take(body, 0.0);  // the last vectors are at hand: looking again takes little
@@ -174,26 +177,24 @@ bool TangentSolver::may_keep() const {
          (factors_ == FactorUse::kept_if_cheaper && factor_.cost_in_solutions() >= least);
 }
 
-void TangentSolver::note_break(std::vector<int> unknowns) {
-  if (kept_.at_hand()) breaks_.push_back(std::move(unknowns));
+void TangentSolver::note_change(const std::vector<int>& unknowns, const DenseMatrix& change) {
+  if (!unknowns.empty() && kept_.at_hand() && !kept_.is_due()) kept_.follow(unknowns, change);
 }
 
 void TangentSolver::drop_kept() {
   kept_.drop();
   kept_of_.reset();
-  breaks_.clear();
   present_ = nullptr;
 }
 
 bool TangentSolver::kept_for(const StaticBody& body) {
   prepare(body);
   lost_ = false;
-  if (!kept_.at_hand() || body.is_unsymmetric()) return false;
+  if (!kept_.at_hand() || body.is_unsymmetric() || kept_.is_due()) return false;
   present_ = &body.tangent();
   present_body_ = &body;
-  for (const std::vector<int>& unknowns : std::exchange(breaks_, {}))
-    if (kept_.at_hand()) kept_.follow(*present_, unknowns);
-  return kept_.at_hand() && !kept_.is_due();
+  kept_.follow(*present_);
+  return kept_.at_hand();
 }
 
 bool TangentSolver::take_definite(const StaticBody& body) {
@@ -213,8 +214,7 @@ bool TangentSolver::take(const StaticBody& body) {
 
 Vector TangentSolver::solve_roughly(const StaticBody& body, const Vector& b) {
   if (!kept_.at_hand() || body.is_unsymmetric() || kept_.is_due()) return {};
-  const bool knows_breaks = breaks_.empty() || kept_for(body);
-  return knows_breaks ? kept_.solve_roughly(b) : Vector();
+  return kept_.solve_roughly(b);
 }
 
 TangentSolver::Judged TangentSolver::judge(const StaticBody& body, const Vector& b, double accuracy) {
@@ -232,6 +232,7 @@ Vector TangentSolver::solve(const Vector& b, double accuracy) {
   if (std::optional<Vector> x = kept_.solve(*present_, b, accuracy)) return std::move(*x);
   const SparseMatrix& A = *std::exchange(present_, nullptr);
   drop_kept();
+  find_order(*present_body_);
   if (factor_.factor_definite(A)) {
     keep(*present_body_);
     return factor_.solve(b);

@@ -53,8 +53,28 @@ bool WorkOnTheWay::correct_here() {
 }
 
 bool WorkOnTheWay::balance_between(const Placement& a, const Placement& b, double load_factor) {
-  const double part = (load_factor - a.load_factor) / (b.load_factor - a.load_factor);
-  const Vector x = part * way(body_, a, b);
+  return balance_from(a, (load_factor - a.load_factor) / (b.load_factor - a.load_factor) * way(body_, a, b),
+                      load_factor);
+}
+
+/// Half way between nodes k - 1 and k, guessed by the polynomial through those and their neighbours.
+bool WorkOnTheWay::balance_between(const std::vector<Stand>& nodes, std::size_t k) {
+  const std::size_t first = k > 1 ? k - 2 : 0, last = std::min(k + 1, nodes.size() - 1);
+  const Placement& a = nodes[k - 1].at;
+  const double f = 0.5 * (a.load_factor + nodes[k].at.load_factor);
+  Vector x = Vector::Zero(body_.unknowns().size());
+  for (std::size_t m = first; m <= last; ++m) {
+    if (m == k - 1) continue;
+    double share = 1.0;
+    for (std::size_t other = first; other <= last; ++other)
+      if (other != m)
+        share *= (f - nodes[other].at.load_factor) / (nodes[m].at.load_factor - nodes[other].at.load_factor);
+    x += share * way(body_, a, nodes[m].at);
+  }
+  return balance_from(a, x, f);
+}
+
+bool WorkOnTheWay::balance_from(const Placement& a, const Vector& x, double load_factor) {
   body_.restore(a);
   body_.move(x, load_factor);
   if (correct_here()) return true;
@@ -151,8 +171,7 @@ Vector WorkOnTheWay::between(const Stand& a, const Stand& b, double scale, int s
     before = sums.back();
     std::vector<Stand> finer{nodes.front()};
     for (std::size_t k = 1; k < nodes.size(); ++k) {
-      const Placement &from = nodes[k - 1].at, &to = nodes[k].at;
-      if (!balance_between(from, to, 0.5 * (from.load_factor + to.load_factor))) break;
+      if (!balance_between(nodes, k)) break;
       finer.push_back(stand_of(body_));
       finer.push_back(nodes[k]);
     }

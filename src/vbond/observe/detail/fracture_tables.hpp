@@ -47,7 +47,7 @@ struct FiledFound {
 struct FiledFactor {
   double load_factor = 0;
   std::int64_t breaks = 0, proofs = 0;
-  double spent = 0, in_cycle = 0, recent = 0;
+  double spent = 0, in_cycle = 0, slow = 0, wasted = 0, recent = 0;
 };
 
 struct FiledFracture {
@@ -58,13 +58,13 @@ struct FiledFracture {
   std::vector<FiledNumber> residuals, rate;
   std::vector<FiledPart> held;
   std::vector<FiledTurn> turned, turns_of_grips;
-  std::vector<FiledPair> pattern;
+  std::vector<FiledPair> pattern, factor_pattern;
   PerBond<BondHistory> remembered, of_tangent;
   PerParticle<Vec3d> factor_r;
   PerParticle<Quatd> factor_q;
   std::vector<FiledPlace> factor_cell;
-  std::vector<FiledCount> change_sizes, change_unknowns, break_sizes, break_unknowns;
-  std::vector<FiledNumber> change_numbers;
+  std::vector<FiledCount> change_sizes, change_unknowns;
+  std::vector<FiledNumber> change_numbers, change_least;
   std::vector<FiledWord> random_as_made, random;
 };
 
@@ -160,6 +160,9 @@ inline constexpr auto under_way_table = std::tuple{
               "positions where the factor was made that is kept; all of factor_ only if there is one",
               filed::any),
         field("q", &filed::F::factor_q, unit::none, "orientations there", filed::any)),
+    rows_of("/fracture/factor_pattern_", &filed::F::factor_pattern, filed::any,
+            field("i", &FiledPair::i, unit::none, "pairs for which it has room; none: those of the tangent"),
+            field("j", &FiledPair::j, unit::none, "the other one")),
     rows_of("/fracture/factor_", &filed::F::factor_cell, filed::any,
             field("cell", &FiledPlace::value, unit::length, "edges of the cell there")),
     fields_of("/fracture/factor_", &filed::F::factor,
@@ -169,18 +172,20 @@ inline constexpr auto under_way_table = std::tuple{
               field("proofs", &FiledFactor::proofs, unit::none, "of definite tangents by it", filed::any),
               field("spent", &FiledFactor::spent, unit::none, "solutions before the last proof", filed::any),
               field("in_cycle", &FiledFactor::in_cycle, unit::none, "solutions since", filed::any),
-              field("recent", &FiledFactor::recent, unit::none, "solutions from proof to proof", filed::any)),
+              field("slow", &FiledFactor::slow, unit::none,
+                    "iterations since the last proof that a new factor would have saved", filed::any),
+              field("wasted", &FiledFactor::wasted, unit::none,
+                    "of the solutions before it those that a new factor would have saved", filed::any),
+              field("recent", &FiledFactor::recent, unit::none, "of those, from proof to proof", filed::any)),
     rows_of("/fracture/factor_", &filed::F::change_sizes, filed::any,
             field("change_sizes", &FiledCount::value, unit::none, "how many unknowns each change has")),
     rows_of("/fracture/factor_", &filed::F::change_unknowns, filed::any,
             field("change_unknowns", &FiledCount::value, unit::none, "those, change by change")),
     rows_of("/fracture/factor_", &filed::F::change_numbers, filed::any,
             field("change_numbers", &FiledNumber::value, unit::none, "the changes, column by column")),
-    rows_of("/fracture/factor_", &filed::F::break_sizes, filed::any,
-            field("break_sizes", &FiledCount::value, unit::none,
-                  "unknowns of each bond that has broken since the last change")),
-    rows_of("/fracture/factor_", &filed::F::break_unknowns, filed::any,
-            field("break_unknowns", &FiledCount::value, unit::none, "those, bond by bond")),
+    rows_of("/fracture/factor_", &filed::F::change_least, filed::any,
+            field("change_least", &FiledNumber::value, unit::none,
+                  "of each change: parts below this part of the largest are left out")),
     rows_of("/fracture/factor_", &filed::F::random_as_made, filed::any,
             field("random_as_made", &FiledWord::value, unit::none,
                   "random numbers (Mersenne Twister) as the factor was made")),

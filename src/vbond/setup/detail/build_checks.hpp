@@ -14,7 +14,7 @@ void check_contact(const Case& c, const Model& model, Problems& problems);
 
 /// Particles that are not bonded and lie half in one another would fly apart. Bonds that are made later may
 /// be meant for them.
-void check_overlaps(const Case& c, const Built& built, const State& state, Problems& problems);
+void check_overlaps(const Case& c, const Built& built, const BodyPart& body, Problems& problems);
 
 /// With the step as far as it is known before a stage begins; told again then.
 void check_durations(const Case& c, const Built& built, Problems& problems);

@@ -139,6 +139,9 @@ class StaticBody {
   Assembly::Block in_axes(ParticleId i, ParticleId j, const Assembly::Block& in_world) const {
     return stiffness_.assembly.in_axes(i, j, in_world);
   }
+  /// What a bond adds to tangent() among these unknowns, those of its ends, and what its ends add where they
+  /// touch.
+  DenseMatrix tangent_of(BondId k, const std::vector<int>& unknowns) const;
   /// Changes when the pattern of tangent() does: when pairs begin to touch.
   int pattern_version() const { return stiffness_at_hand().assembly.version(); }
   /// Derivative of unbalanced() with the load factor, supports moving with it.  [force]

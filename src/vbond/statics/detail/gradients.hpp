@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <vector>
 
@@ -51,7 +52,7 @@ std::optional<Vector> conjugate_gradients(Times&& times, Inverse&& inverse, Vect
 
 /// X with A X = B, each column as above but all of them together: inverse(R) is cheaper for several at a
 /// time. From this X on. When each is enough: its norm, or this part of the root of b^T X, or of what the
-/// norm is from X = 0. A column that has ended waits for the others. made: for each column.
+/// norm is from X = 0. A column that has ended leaves the others. made: for each column.
 template <class Times, class Inverse>
 std::optional<DenseMatrix> conjugate_gradients_of_columns(Times&& times, Inverse&& inverse,
                                                           const DenseMatrix& B, DenseMatrix X,
@@ -70,33 +71,39 @@ std::optional<DenseMatrix> conjugate_gradients_of_columns(Times&& times, Inverse
     end[c] = std::max(norm * norm, part * part * given[c]);
   }
   if (made) made->resize(enough.size());
-  for (int k = 0; (size.array() > end.array()).any(); ++k) {
+  std::vector<Eigen::Index> on(enough.size());  // columns of X that those of R and P are of
+  std::iota(on.begin(), on.end(), Eigen::Index{0});
+  const auto let_go = [&] {  // false: M is not positive definite, or NaN
+    std::vector<Eigen::Index> left, stay;
+    for (std::size_t k = 0; k < on.size(); ++k)
+      if (size[static_cast<Eigen::Index>(k)] > end[on[k]])
+        stay.push_back(static_cast<Eigen::Index>(k)), left.push_back(on[k]);
+    const bool sound = (size.array() >= 0.0).all();
+    if (left.size() == on.size()) return sound;
+    R = DenseMatrix(R(Eigen::all, stay)), P = DenseMatrix(P(Eigen::all, stay)), size = Vector(size(stay));
+    on = std::move(left);
+    return sound;
+  };
+  for (int k = 0;; ++k) {
+    if (!let_go()) return {};
+    if (on.empty()) return X;
     const DenseMatrix AP = times(P);
     const Vector curvature = products(P, AP);
-    Vector alpha = Vector::Zero(size.size()), beta = alpha;
-    for (Eigen::Index c = 0; c < size.size(); ++c) {
-      if (!(size[c] > end[c])) continue;  // ended, and waits for the others
-      if (!(curvature[c] > 0.0) || !std::isfinite(curvature[c])) return {};
-      alpha[c] = size[c] / curvature[c];
-    }
-    if (k >= most) return {};
-    X += P * alpha.asDiagonal();
+    if (!((curvature.array() > 0.0).all() && curvature.allFinite()) || k >= most) return {};
+    const Vector alpha = size.cwiseQuotient(curvature);
+    X(Eigen::all, on) += P * alpha.asDiagonal();
     R -= AP * alpha.asDiagonal();
     const DenseMatrix Z = inverse(R);
-    const Vector next = products(R, Z);
-    for (Eigen::Index c = 0; c < size.size(); ++c) {
-      if (!(alpha[c] > 0.0)) continue;
-      beta[c] = next[c] / size[c];
-      if (!made) continue;
-      GradientsMade& of_column = (*made)[static_cast<std::size_t>(c)];
+    const Vector next = products(R, Z), beta = next.cwiseQuotient(size);
+    for (std::size_t at = 0; made && at < on.size(); ++at) {
+      const auto c = static_cast<Eigen::Index>(at);
+      GradientsMade& of_column = (*made)[static_cast<std::size_t>(on[at])];
       of_column.alpha.push_back(alpha[c]), of_column.beta.push_back(beta[c]);
-      of_column.left = std::sqrt(std::abs(next[c]) / start[c]);
+      of_column.left = std::sqrt(std::abs(next[c]) / start[on[at]]);
     }
     P = Z + P * beta.asDiagonal();
     size = next;
   }
-  if (!(size.array() >= 0.0).all()) return {};  // M is not positive definite, or NaN
-  return X;
 }
 
 }  // namespace vbond

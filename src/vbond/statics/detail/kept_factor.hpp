@@ -42,14 +42,18 @@ class KeptFactor {
   void draw_on_from(const std::mt19937_64& random) { random_ = random; }
   void drop();
   bool at_hand() const { return at_hand_; }
-  /// A new factor would be the cheaper way on: since the last proof as many solutions were needed as one
-  /// matrix may take, as where the body moves far; or from proof to proof more are needed of late than on
-  /// average since the factor was made, its own cost among them.
+  /// A new factor would be the cheaper way on: since the last proof it would have saved as many iterations as
+  /// one matrix may take, as where the body moves far; or of late it would have saved more solutions from
+  /// proof to proof than on average since the factor was made, its own cost among them. What it would have
+  /// saved shows by how much an iteration leaves.
   bool is_due() const;
   /// Solutions since the factor was made, in those with it alone.
   double spent() const { return spent_ + in_cycle_; }
-  /// The matrix has changed much in the rows and columns of these unknowns: so does M.
-  void follow(const SparseMatrix& A, const std::vector<int>& unknowns);
+  /// The matrix has changed by this among these unknowns, as a bond has broken: so does M.
+  void follow(const std::vector<int>& unknowns, DenseMatrix change);
+  /// The same wherever A differs much from M, as where pairs have come to touch or have ceased to. Its
+  /// pattern may be another one than that of the factor.
+  void follow(const SparseMatrix& A);
 
   /// x with A x = b, to this part of b in the norm of M^-1; nothing if A is not positive definite along the
   /// way, or it takes longer than a new factor.
@@ -73,12 +77,13 @@ class KeptFactor {
     DenseMatrix Z;      // M^-1 Q
     DenseMatrix inner;  // (diag(values)^-1 + Q^T M^-1 Q)^-1
     DenseMatrix given;  // the change that it is of
+    double least_part;  // of the largest of its parts: what is less is left out
   };
-  void follow(const std::vector<int>& unknowns, DenseMatrix change);
+  void follow(const std::vector<int>& unknowns, DenseMatrix change, double least_part);
   std::optional<DenseMatrix> gradients(const SparseMatrix& A, const DenseMatrix& B, const DenseMatrix& X,
                                        const std::vector<Enough>& enough, std::vector<GradientsMade>* made);
   bool single_is_near();
-  void note_kappa();
+  double kappa();
   double cost_of_factor() const;
   double price_of(Eigen::Index columns) const;
   /// Solutions that are spent on one matrix before a new factor is made.
@@ -93,13 +98,14 @@ class KeptFactor {
   bool in_single_ = false;  // single_ is used
   SparseMatrix M_;
   std::vector<Change> changes_;  // in their order
-  double kappa_ = 0;
+  double kappa_ = 0;             // 0: to be found
   bool at_hand_ = false;
   std::mt19937_64 random_, random_as_made_;
   int proofs_ = 0;                   // since the factor was made
   double price_ = 1;                 // of one solution, in those with the factor alone
   double spent_ = 0, in_cycle_ = 0;  // such solutions since the factor was made; since the last proof
-  double recent_ = 0;                // from one proof to the next, of late
+  double slow_ = 0;                  // since the last proof: iterations that a new factor would have saved
+  double wasted_ = 0, recent_ = 0;  // of spent_ what it would have saved; from one proof to the next, of late
 };
 
 }  // namespace vbond

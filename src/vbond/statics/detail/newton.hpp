@@ -32,8 +32,9 @@ class TangentSolver {
   Choice choose(const StaticBody& body);
   /// After choose(): a build with multigrid would have taken that because it is quicker.
   bool would_be_quicker_by_multigrid(const StaticBody& body) const;
-  /// Makes ready for what choose() says, unless it has done so for this pattern. Throws NoEquilibrium if
-  /// there is none, or where multigrid is wanted and this build, or this kind of stage, has none.
+  /// Makes ready for what choose() says, unless it has done so for this pattern, or a kept factor serves for
+  /// it. Throws NoEquilibrium if there is none, or where multigrid is wanted and this build, or this kind of
+  /// stage, has none.
   void prepare(const StaticBody& body);
   /// Factors tangent() + shift I; false if that is not positive definite. With multigrid that is
   /// noticed only in solve().
@@ -58,11 +59,10 @@ class TangentSolver {
   };
   Judged judge(const StaticBody& body, const Vector& b, double accuracy);
   /// M^-1 b, M the matrix of a kept factor, which is near tangent() as a rule; empty without one, or where a
-  /// new one is the cheaper way on. Takes a tangent only if bonds have broken since the last one. Contacts
-  /// that are new since then are not in M.
+  /// new one is the cheaper way on. Takes no tangent: contacts that are new since the last one are not in M.
   Vector solve_roughly(const StaticBody& body, const Vector& b);
-  /// From now on the tangent lacks what bonds these unknowns: a kept factor follows.
-  void note_break(std::vector<int> unknowns);
+  /// From now on the tangent has this in addition, among these unknowns: a kept factor follows.
+  void note_change(const std::vector<int>& unknowns, const DenseMatrix& change);
   bool has_kept() const { return kept_.at_hand(); }
   /// No kept factor until another is made.
   void drop_kept();
@@ -117,6 +117,8 @@ class TangentSolver {
  private:
   static constexpr double full_accuracy = 1e-12;
   std::optional<int> counted_by_multigrid(const StaticBody& body);
+  /// As prepare(), for factors that are made of this pattern.
+  void find_order(const StaticBody& body);
   bool kept_for(const StaticBody& body);
   void keep(const StaticBody& body);
   bool may_keep() const;
@@ -132,7 +134,6 @@ class TangentSolver {
   int analysed_ = 0;         // pattern_version
   std::unique_ptr<ByMultigrid> multigrid_;
   KeptFactor kept_{factor_};
-  std::vector<std::vector<int>> breaks_;   // that the kept factor does not know yet
   const SparseMatrix* present_ = nullptr;  // the tangent, where the kept factor is used
   const StaticBody* present_body_ = nullptr;
   std::shared_ptr<const KeptFactorUnderWay::Place> kept_of_;  // where the body of the kept factor stood

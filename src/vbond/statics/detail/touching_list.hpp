@@ -19,7 +19,7 @@ class TouchingList {
     for_each_within(0.0, model, state, visit);
   }
   /// Those as well that are about to touch: no more than this part of the least radius is between them.
-  static constexpr double about_to = 0.02;
+  static constexpr double about_to = 0.05;
   template <class Visit>
   void for_each_or_about_to(const Model& model, const State& state, Visit&& visit) {
     for_each_within(about_to, model, state, visit);

@@ -1,5 +1,7 @@
 #pragma once
 #include <array>
+#include <cstddef>
+#include <vector>
 
 #include "vbond/statics/detail/newton.hpp"
 #include "vbond/statics/statics.hpp"
@@ -43,6 +45,8 @@ class WorkOnTheWay {
   bool correct_here();
 
  private:
+  bool balance_between(const std::vector<Stand>& nodes, std::size_t k);
+  bool balance_from(const Placement& a, const Vector& x, double load_factor);
   Vector trapezium(const Stand& a, const Stand& b) const;
   Vector between_kinks(const Stand& a, const Stand& b, double within);
 
