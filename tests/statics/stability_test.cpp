@@ -95,41 +95,5 @@ TEST(Equilibrium, IsNeutralBelowGrainsThatTurnFreely) {
   }
 }
 
-/// A chain of five particles, bent by gravity and by a movement of its end, whose bonds yield; a grain rests
-/// on the end.
-StaticResult yielding_chain_below_a_grain() {
-  testing::Specimen s = testing::particles_at(
-      {{0, 0, 0.5}, {0.9, 0, 0.8}, {1.8, 0, 0.5}, {2.7, 0, 0.8}, {3.6, 0, 0.5}, {3.6, 0, 1.47}});
-  for (const ParticleId p : s.state.r.ids()) s.model.radius[p] = 0.5;
-  s.model.mass[ParticleId{5}] = 0.2;
-  s.model.contact = {.law = ContactLaw::linear, .pairs = ContactPairs::all};
-  s.model.contact.k = 80.0;
-  BondRecipe recipe;
-  recipe.parameters = BondStiffness<double>{10.15, 4.0, 0.0571, 0.045};
-  recipe.rules.yield.limit.axial = recipe.rules.yield.compression = 0.18;
-  recipe.rules.yield.limit.bending = 0.045;
-  recipe.rules.yield.isotropic.axial = 2.0;
-  recipe.rules.yield.isotropic.bending = 0.3;
-  for (std::size_t k = 0; k < 4; ++k) testing::bond(s, k, k + 1, recipe);
-  StaticStage stage =
-      testing::static_stage(StageKind::equilibrium,
-                            {fixed({ParticleId{0}}, testing::clamped),
-                             fixed({ParticleId{4}}, testing::clamped, {-0.077861, -0.167779, 0.105342}),
-                             fixed({ParticleId{5}}, {true, true, false, false, false, false})},
-                            {});
-  stage.gravity = {0, 0, -1};
-  stage.constant_gravity = true;
-  stage.steps = 2;
-  return run_static_stage(s.model, stage, s.state, {}).result;
-}
-
-// Where flow has no potential of its own, Newton's method alone leads to balance: turns that meet nothing
-// must not make its tangent singular.
-TEST(Equilibrium, OfBondsThatYieldIsFoundBelowAGrainThatTurnsFreely) {
-  const StaticResult r = yielding_chain_below_a_grain();
-  EXPECT_EQ(r.ended, "converged");
-  EXPECT_LT(r.points, 100);
-}
-
 }  // namespace
 }  // namespace vbond

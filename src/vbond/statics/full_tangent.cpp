@@ -57,21 +57,14 @@ SparseMatrix with_idle_held(SparseMatrix K) {
   const double stiffness = max_norm(K.diagonal());
   for (Eigen::Index k = 0; k < entries.size(); ++k)
     if (entries[k] == 0.0) K.coeffRef(k, k) = stiffness;
-  K.makeCompressed();
   return K;
 }
 
 }  // namespace
 
-// A factor of the symmetric part has room for what its pattern has.
 bool TangentSolver::take_full(const StaticBody& body) {
   prepare(body);
-  if (!factors_full(body)) {
-    if (take(body)) return true;
-    if (by_multigrid()) return false;
-    const SparseMatrix held = with_idle_held(body.tangent());
-    return held.nonZeros() == body.tangent().nonZeros() && factor_.factor_indefinite(held);
-  }
+  if (!factors_full(body)) return take(body);
   if (full_at_ != body.placement_number()) {
     full_is_regular_ = full_.factor(with_idle_held(body.full_tangent()));
     full_at_ = body.placement_number();
