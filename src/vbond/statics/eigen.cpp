@@ -144,21 +144,11 @@ DenseMatrix dense_without(const SparseMatrix& A, const SparseMatrix& without) {
   return D + 4.0 * radius * DenseMatrix(without * SparseMatrix(without.transpose()));
 }
 
-}  // namespace
-
-EigenPairs smallest_eigenpairs(const SparseMatrix& A, int count, double bound, const SparseMatrix& without) {
+/// The smallest eigenpairs of a large matrix, looked for from a shift that is the bound or below it.
+EigenPairs pairs_above(const SparseMatrix& A, int count, double bound, double shift,
+                       const SparseMatrix& without) {
   const Eigen::Index n = A.rows();
-  if (n == 0 || count <= 0) return {Vector(0), DenseMatrix(n, 0)};
-  if (solve_densely(n, count)) {
-    const DenseEigen all = dense_eigenpairs(dense_without(A, without));
-    check(all);
-    Found found;
-    for (Eigen::Index k = 0; k < n - without.cols(); ++k)
-      if (all.values[k] >= bound - known_to * largest_diagonal(A))
-        found.add(all.values[k], all.values[k], all.vectors.col(k));
-    return found.part(0, count);
-  }
-  Shifted at(A, bound);
+  Shifted at(A, shift);
   approach(A, without, at);
   const double no_end = std::numeric_limits<double>::infinity();
   const int available = static_cast<int>(n) - at.below - number_between(A, without, at.sigma, no_end);
@@ -175,6 +165,27 @@ EigenPairs smallest_eigenpairs(const SparseMatrix& A, int count, double bound, c
         if (!negative) return std::nullopt;
         return *negative - at.below - number_between(A, without, at.sigma, at.sigma + key);
       });
+}
+
+}  // namespace
+
+EigenPairs smallest_eigenpairs(const SparseMatrix& A, int count, double bound, const SparseMatrix& without) {
+  const Eigen::Index n = A.rows();
+  if (n == 0 || count <= 0) return {Vector(0), DenseMatrix(n, 0)};
+  if (solve_densely(n, count)) {
+    const DenseEigen all = dense_eigenpairs(dense_without(A, without));
+    check(all);
+    Found found;
+    for (Eigen::Index k = 0; k < n - without.cols(); ++k)
+      if (all.values[k] >= bound - known_to * largest_diagonal(A))
+        found.add(all.values[k], all.values[k], all.vectors.col(k));
+    return found.part(0, count);
+  }
+  try {
+    return pairs_above(A, count, bound, bound, without);
+  } catch (const NoConvergence&) {  // several eigenvalues next to the shift: from farther below
+    return pairs_above(A, count, bound, bound - first_step * largest_diagonal(A), without);
+  }
 }
 
 namespace {
