@@ -123,7 +123,7 @@ TEST(KeptFactorAtRest, IsKeptWhereParticlesComeToTouch) {
   std::vector<Support> supports = drawn_faces(n, 0.0);
   supports.back().velocity = {0.1, 0.6, 0};
   StaticStage stage = static_stage(StageKind::fracture, supports);
-  stage.fracture.most_breaks = 60;
+  stage.fracture.most_breaks = 30;
   const Walked kept = walk_by(s, stage, LinearSolver::automatic);
   expect_the_same(kept, walk_by(s, stage, LinearSolver::direct));
   int touching = 0;
