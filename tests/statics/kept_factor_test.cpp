@@ -30,6 +30,17 @@ DenseMatrix spring_gone() {
   return (DenseMatrix(2, 2) << -1, 1, 1, -1).finished();
 }
 
+/// That this factor is as near to A as a new one.
+void expect_near(KeptFactor& kept, const SparseMatrix& A, const Vector& b) {
+  ASSERT_TRUE(kept.at_hand());
+  const double before = kept.spent();
+  const auto x = kept.solve(A, b, 1e-10);
+  ASSERT_TRUE(x);
+  EXPECT_LE((A * *x - b).norm(), 30e-10 * b.norm());
+  EXPECT_LT(kept.spent() - before, 3.5);
+  EXPECT_TRUE(kept.shows_definite(A));
+}
+
 // Without one spring after the other M stays the matrix itself, but for single precision, some 1e-6 of it:
 // conjugate gradients then take two iterations, three solutions, each of hardly more than its price.
 // Residuals in the norm of M^-1 are as small in size but for the root of its condition number, some 30.
@@ -40,13 +51,7 @@ TEST(KeptFactor, FollowsSpringsThatBreak) {
   for (const int p : {0, 1, 555, 556, 700}) {
     add_spring(A, p, p + 1, -1.0);
     k.kept.follow({p, p + 1}, spring_gone());
-    ASSERT_TRUE(k.kept.at_hand());
-    const double before = k.kept.spent();
-    const auto x = k.kept.solve(A, b, 1e-10);
-    ASSERT_TRUE(x);
-    EXPECT_LE((A * *x - b).norm(), 30e-10 * b.norm());
-    EXPECT_LT(k.kept.spent() - before, 3.5);
-    EXPECT_TRUE(k.kept.shows_definite(A));
+    expect_near(k.kept, A, b);
   }
 }
 
@@ -57,21 +62,15 @@ TEST(KeptFactor, FollowsWhatComesAndGoes) {
   SparseMatrix A = k.A;
   const Vector b = random_vector(static_cast<int>(A.rows()), 3);
   const Vector at_first = k.kept.solve_roughly(b);
-  const auto expect_near = [&] {
+  const auto follow = [&] {
     k.kept.follow(A);
-    ASSERT_TRUE(k.kept.at_hand());
-    const double before = k.kept.spent();
-    const auto x = k.kept.solve(A, b, 1e-10);
-    ASSERT_TRUE(x);
-    EXPECT_LE((A * *x - b).norm(), 30e-10 * b.norm());
-    EXPECT_LT(k.kept.spent() - before, 3.5);
-    EXPECT_TRUE(k.kept.shows_definite(A));
+    expect_near(k.kept, A, b);
   };
   const std::vector<std::pair<int, int>> springs = {{7, 411}, {411, 880}, {123, 765}};
   for (const auto& [p, q] : springs) add_spring(A, p, q, 1.0);
-  expect_near();
+  follow();
   for (const auto& [p, q] : springs) add_spring(A, p, q, -1.0);
-  expect_near();
+  follow();
   EXPECT_LE((k.kept.solve_roughly(b) - at_first).norm(), 1e-5 * at_first.norm());
 }
 
