@@ -16,15 +16,11 @@ namespace {
 }
 
 /// The lowest eigenvalue and its mode. The search begins below -10 margin and goes lower until the shifted
-/// matrix is positive definite. It keeps off zero: next to it the modes of several zeros, as the turns of a
-/// grain that is only touched, would be lost in rounding. The value is x^T K x of the mode, free of the
-/// rounding of the search.
+/// matrix is positive definite. The value is x^T K x of the mode, free of the rounding of the search.
 EigenPairs lowest_pair(const StaticBody& body, Factor& factor, double margin) {
   const SparseMatrix& K = body.tangent();
-  constexpr double off_zero = 1e-8;  // of the largest entry: modes keep eight digits
   const double size = K.norm();
-  double below = std::max(
-      {10.0 * margin, off_zero * max_norm(K.diagonal()), std::numeric_limits<double>::epsilon() * size});
+  double below = std::max(10.0 * margin, std::numeric_limits<double>::epsilon() * size);
   while (!factor.factor_definite(K, below)) {
     below *= 10.0;
     if (!(below < 1e3 * size)) refuse_tangent(body);
