@@ -209,7 +209,13 @@ std::optional<double> BreakingBody::largest_reaction() const {
 }
 
 Balance BreakingBody::here() const {
-  return {stand_of(*body_), most_used_bond(body_->state(), load_factor())};
+  const bool known = stable_at_ && rate_.allFinite() && same_place(*stable_at_, body_->placement()) &&
+                     !body_->is_unsymmetric();
+  return {stand_of(*body_, known ? rate_ : Vector()), most_used()};
+}
+
+std::optional<BondUse> BreakingBody::most_used() const {
+  return most_used_bond(body_->state(), load_factor());
 }
 
 bool BreakingBody::is_stable() {

@@ -21,8 +21,11 @@ constexpr double books_error = 1e-3;
 /// missing that it has jumped.
 constexpr double books_error_of_step = 0.25 * books_error, least_for_books = 1e-3, jump = 0.03;
 
+double use_of(const std::optional<BondUse>& most) {
+  return most ? most->utilisation : 0.0;
+}
 double use_of(const Balance& b) {
-  return b.most ? b.most->utilisation : 0.0;
+  return use_of(b.most);
 }
 bool is_past(const Balance& b) {
   return use_of(b) >= 1.0 - same_use;
@@ -178,6 +181,7 @@ class Fracture {
         made = std::exchange(longer, std::nullopt);
         walk_.restore(made->to);
         walk_.is_stable();
+        made->to = walk_.here();  // with the rate that a checkpoint holds
       }
       if (!made) {
         walk_.restore(now_);
@@ -232,14 +236,14 @@ class Fracture {
   /// The body stands at a balance after now_. If the largest utilisation passes 1 between them, it is brought
   /// to where it is 1. False if no balance is found there.
   bool stop_at_strength() {
-    const Balance there = walk_.here();
+    const Placement there = walk_.body().placement();
     const Sample first{now_.at.load_factor, use_of(now_) - 1.0},
-        last{there.at.load_factor, use_of(there) - 1.0};
+        last{there.load_factor, use_of(walk_.most_used()) - 1.0};
     if (std::abs(last.value) <= critical_error || std::signbit(first.value) == std::signbit(last.value))
       return true;
     const auto value = [&](double f) -> std::optional<double> {
-      if (!walk_.balance_between(now_.at, there.at, f)) return std::nullopt;
-      return use_of(walk_.here()) - 1.0;
+      if (!walk_.balance_between(now_.at, there, f)) return std::nullopt;
+      return use_of(walk_.most_used()) - 1.0;
     };
     const Crossed c = crossing(first, last, critical_error, value);
     if (!c.found) return false;

@@ -50,12 +50,7 @@ void correct_roughly(StaticBody& body, TangentSolver& solver, const NewtonSettin
 class Descent {
  public:
   Descent(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings)
-      : body_(body), solver_(solver), settings_(settings) {
-    const SparseMatrix& K = body.tangent();
-    mean_stiffness_ = K.rows() > 0 ? K.diagonal().cwiseAbs().mean() : 1.0;
-    // of contacts alone that just begin to touch: none, and steps of the length scale will do
-    if (mean_stiffness_ == 0.0) mean_stiffness_ = max_norm(body.unbalanced()) / body.unknowns().length();
-  }
+      : body_(body), solver_(solver), settings_(settings) {}
 
   void correct_roughly() {
     if (shift_ != 0.0) return;
@@ -68,6 +63,7 @@ class Descent {
 
   /// Empty if there is none.
   Vector direction() {
+    if (!mean_stiffness_) mean_stiffness_ = mean_stiffness();
     const Vector& g = body_.unbalanced();
     const auto downhill = [&g](const Vector& x) { return x.size() > 0 && x.allFinite() && x.dot(g) > 0.0; };
     const bool ready = shift_ == 0.0 ? solver_.take_definite(body_) : solver_.factor_definite(body_, shift_);
@@ -109,7 +105,7 @@ class Descent {
 
   /// The least shift, within a factor of 10, that makes the tangent positive definite; above the present one.
   bool find_shift() {
-    for (double shift = std::max(100.0 * shift_, least_shift()); shift < 1e6 * mean_stiffness_;
+    for (double shift = std::max(100.0 * shift_, least_shift()); shift < 1e6 * *mean_stiffness_;
          shift *= 100.0) {
       if (!solver_.factor_definite(body_, shift)) continue;
       shift_ = 0.1 * shift;
@@ -119,7 +115,13 @@ class Descent {
     }
     return false;
   }
-  double least_shift() const { return 1e-12 * mean_stiffness_; }
+  double least_shift() const { return 1e-12 * *mean_stiffness_; }
+  double mean_stiffness() const {
+    const SparseMatrix& K = body_.tangent();
+    const double mean = K.rows() > 0 ? K.diagonal().cwiseAbs().mean() : 1.0;
+    // of contacts alone that just begin to touch: none, and steps of the length scale will do
+    return mean == 0.0 ? max_norm(body_.unbalanced()) / body_.unknowns().length() : mean;
+  }
 
   double try_at(double length, const Vector& x, const Placement& from, double energy) {
     body_.restore(from);
@@ -143,7 +145,7 @@ class Descent {
   StaticBody& body_;
   TangentSolver& solver_;
   const NewtonSettings& settings_;
-  double mean_stiffness_ = 1.0;
+  std::optional<double> mean_stiffness_;  // where the first tangent was asked for
   double shift_ = 0.0;
 };
 

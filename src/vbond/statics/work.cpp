@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -34,15 +35,23 @@ Vector way(const StaticBody& body, const Placement& from, const Placement& to) {
   return x;
 }
 
+double middle_of(const std::vector<Acting>& nodes, std::size_t k) {
+  return 0.5 * (nodes[k - 1].at.load_factor + nodes[k].at.load_factor);
+}
+
+/// At a place beside a balance, where unbalanced forces g are left: to first order power and loads together
+/// do rate . g too much there, as what acts along the way changes with the unknowns as g does with the load
+/// factor.
+Acting acting_on(const StaticBody& body, const Vector& rate) {
+  const double beside = rate.size() > 0 ? rate.dot(body.unbalanced()) : 0.0;
+  return {body.placement(), body.power_of_supports() + body.terms().of<RestHeat>().power() - beside,
+          body.terms().of<RestWalls>().power(), body.forces_on_cell()};
+}
+
 }  // namespace
 
-Stand stand_of(const StaticBody& body) {
-  return {body.placement(),
-          body.power_of_supports() + body.terms().of<RestHeat>().power(),
-          body.terms().of<RestWalls>().power(),
-          body.energies().potential(),
-          body.dissipated(),
-          body.forces_on_cell()};
+Stand stand_of(const StaticBody& body, Vector rate) {
+  return {acting_on(body, rate), body.energies().potential(), body.dissipated(), std::move(rate)};
 }
 
 bool WorkOnTheWay::correct_here() {
@@ -58,10 +67,10 @@ bool WorkOnTheWay::balance_between(const Placement& a, const Placement& b, doubl
 }
 
 /// Half way between nodes k - 1 and k, guessed by the polynomial through those and their neighbours.
-bool WorkOnTheWay::balance_between(const std::vector<Stand>& nodes, std::size_t k) {
+bool WorkOnTheWay::balance_between(const std::vector<Acting>& nodes, std::size_t k) {
   const std::size_t first = k > 1 ? k - 2 : 0, last = std::min(k + 1, nodes.size() - 1);
   const Placement& a = nodes[k - 1].at;
-  const double f = 0.5 * (a.load_factor + nodes[k].at.load_factor);
+  const double f = middle_of(nodes, k);
   Vector x = Vector::Zero(body_.unknowns().size());
   for (std::size_t m = first; m <= last; ++m) {
     if (m == k - 1) continue;
@@ -85,7 +94,7 @@ bool WorkOnTheWay::balance_from(const Placement& a, const Vector& x, double load
 
 /// Supports and walls by the mean of their powers, loads and the relief by that of their sizes, all that
 /// moves the cell, what is left of a relief of it too, by that of what the cell meets.
-Vector WorkOnTheWay::trapezium(const Stand& a, const Stand& b) const {
+Vector WorkOnTheWay::trapezium(const Acting& a, const Acting& b) const {
   const double f_a = a.at.load_factor, f_b = b.at.load_factor;
   Vector work(1 + a.power_of_walls.size());
   work.tail(a.power_of_walls.size()) = 0.5 * (f_b - f_a) * (a.power_of_walls + b.power_of_walls);
@@ -151,31 +160,30 @@ double WorkOnTheWay::missing(const Stand& a, const Stand& b, double part) {
   return open > part * turned_over + rounding ? open / turned_over : 0.0;
 }
 
-Vector WorkOnTheWay::between(const Stand& a, const Stand& b, double scale, int splits) {
-  const double within = work_error * std::abs(b.spent() - a.spent()) + rounding_error * scale,
-               with_rounding = within + body_.rounding_of_potential();
-  if (body_.flows() || b.power_of_walls.size() > 0) return between_kinks(a, b, with_rounding);
+/// A place where the body is nearly in balance: by how it stands and goes on at both ends (Hermite's cubic).
+Acting WorkOnTheWay::near_balance(const Stand& a, const Stand& b, const Vector& from_a_to_b,
+                                  double load_factor) {
+  const double h = b.at.load_factor - a.at.load_factor, s = (load_factor - a.at.load_factor) / h, r = 1.0 - s;
+  body_.restore(a.at);
+  body_.move(s * s * (3.0 - 2.0 * s) * from_a_to_b + h * s * r * (r * a.rate - s * b.rate), load_factor);
+  return acting_on(body_, r * a.rate + s * b.rate);
+}
+
+/// Romberg's sums: more nodes half way between those at hand, node(those, k) between k - 1 and k, until
+/// known(the best sum, halvings), or there is no node.
+template <class Node, class Known>
+double WorkOnTheWay::by_halving(const Stand& a, const Stand& b, Node&& node, Known&& known) const {
   constexpr int most_halvings = 5;
-  std::vector<Stand> nodes{a, b};
+  std::vector<Acting> nodes{a, b};
   std::vector<double> sums{trapezium(a, b)[0]};  // a row of Romberg's scheme, its best last
-  const double stored = b.stored - a.stored;
-  // The bound of rounding is far above what rounding does. So a tenth of it ends the sums, but for the first,
-  // whose errors have the same sign in all steps; and they end where one more halving has changed nothing.
-  const double noise = within + 0.1 * body_.rounding_of_potential();
-  double before = std::numeric_limits<double>::infinity();
-  const auto known = [&] {
-    const double work = sums.back(), open = std::abs(work - stored);
-    return open <= within || (nodes.size() > 2 && open <= noise) || std::abs(work - before) <= within;
-  };
-  for (int halvings = 0; halvings < most_halvings && !known(); ++halvings) {
-    before = sums.back();
-    std::vector<Stand> finer{nodes.front()};
+  for (int halvings = 0; !known(sums.back(), halvings) && halvings < most_halvings; ++halvings) {
+    std::vector<Acting> finer{nodes.front()};
     for (std::size_t k = 1; k < nodes.size(); ++k) {
-      if (!balance_between(nodes, k)) break;
-      finer.push_back(stand_of(body_));
+      std::optional<Acting> middle = node(nodes, k);
+      if (!middle) return sums.back();
+      finer.push_back(std::move(*middle));
       finer.push_back(nodes[k]);
     }
-    if (finer.size() != 2 * nodes.size() - 1) break;
     nodes = std::move(finer);
     std::vector<double> row{0.0};
     for (std::size_t k = 1; k < nodes.size(); ++k) row[0] += trapezium(nodes[k - 1], nodes[k])[0];
@@ -183,7 +191,40 @@ Vector WorkOnTheWay::between(const Stand& a, const Stand& b, double scale, int s
       row.push_back(row.back() + (row.back() - sums[row.size() - 1]) / (power - 1.0));
     sums = std::move(row);
   }
-  double work = sums.back();
+  return sums.back();
+}
+
+Vector WorkOnTheWay::between(const Stand& a, const Stand& b, double scale, int splits) {
+  const double within = work_error * std::abs(b.spent() - a.spent()) + rounding_error * scale,
+               with_rounding = within + body_.rounding_of_potential();
+  if (body_.flows() || b.power_of_walls.size() > 0) return between_kinks(a, b, with_rounding);
+  const double stored = b.stored - a.stored;
+  // The bound of rounding is far above what rounding does. So a tenth of it ends the sums, but for the first,
+  // whose errors have the same sign in all steps; and they end where one more halving has changed nothing.
+  const double noise = within + 0.1 * body_.rounding_of_potential();
+  int halvings = 0;
+  double before = std::numeric_limits<double>::infinity();
+  const auto closes = [&](double work) { return std::abs(work - stored) <= (halvings > 0 ? noise : within); };
+  const auto known = [&](double sum, int made) {
+    halvings = made;
+    return closes(sum) || std::abs(sum - std::exchange(before, sum)) <= within;
+  };
+  double work = std::numeric_limits<double>::infinity();
+  if (a.rate.size() > 0 && b.rate.size() > 0) {
+    const Vector x = way(body_, a.at, b.at);
+    const auto near = [&](const std::vector<Acting>& nodes, std::size_t k) -> std::optional<Acting> {
+      return near_balance(a, b, x, middle_of(nodes, k));
+    };
+    work = by_halving(a, b, near, known);
+  }
+  if (!closes(work)) {
+    before = std::numeric_limits<double>::infinity();
+    const auto balance = [&](const std::vector<Acting>& nodes, std::size_t k) -> std::optional<Acting> {
+      if (!balance_between(nodes, k)) return {};
+      return acting_on(body_, {});
+    };
+    work = by_halving(a, b, balance, known);
+  }
   const auto take_if_better = [&](double other) {
     if (std::abs(other - stored) < std::abs(work - stored)) work = other;
   };

@@ -45,6 +45,7 @@ class BreakingBody {
   bool has_kept_factor() const { return solver_->has_kept(); }
   void drop_kept_factor() { solver_->drop_kept(); }
   Balance here() const;
+  std::optional<BondUse> most_used() const;
   void restore(const Balance& b) { body_->restore(b.at); }
 
   /// Whether the balance is stable, as far as that is known; keeps how the body goes on from here.

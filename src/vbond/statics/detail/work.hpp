@@ -8,17 +8,23 @@
 
 namespace vbond {
 
-/// What the books need of a balance.
-struct Stand {
+/// What works on a body as the load factor grows.
+struct Acting {
   Placement at;
   double power = 0;       ///< of the supports that move and of heating, per load factor  [energy]
   Vector power_of_walls;  ///< of each wall, per load factor  [energy]
+  std::array<double, 6> forces_on_cell{};  ///< of a cell that moves: StaticBody::forces_on_cell()  [energy]
+};
+
+/// What the books need of a balance.
+struct Stand : Acting {
   double stored = 0;      ///< in bonds and contacts  [energy]
   double dissipated = 0;  ///< by bonds that yield or soften, since they were made  [energy]
-  std::array<double, 6> forces_on_cell{};  ///< of a cell that moves: StaticBody::forces_on_cell()  [energy]
+  Vector rate;            ///< how the body goes on, per load factor; empty: not known  [length]
   double spent() const { return stored + dissipated; }
 };
-Stand stand_of(const StaticBody& body);
+/// rate: how the body goes on from here, if it has a potential and that is known.
+Stand stand_of(const StaticBody& body, Vector rate = {});
 
 /// Work of loads, supports and walls between balances that are close. A sum that has begun is not
 /// interrupted: half of it would stand in the books for good.
@@ -45,9 +51,12 @@ class WorkOnTheWay {
   bool correct_here();
 
  private:
-  bool balance_between(const std::vector<Stand>& nodes, std::size_t k);
+  template <class Node, class Known>
+  double by_halving(const Stand& a, const Stand& b, Node&& node, Known&& known) const;
+  Acting near_balance(const Stand& a, const Stand& b, const Vector& from_a_to_b, double load_factor);
+  bool balance_between(const std::vector<Acting>& nodes, std::size_t k);
   bool balance_from(const Placement& a, const Vector& x, double load_factor);
-  Vector trapezium(const Stand& a, const Stand& b) const;
+  Vector trapezium(const Acting& a, const Acting& b) const;
   Vector between_kinks(const Stand& a, const Stand& b, double within);
 
   StaticBody& body_;
