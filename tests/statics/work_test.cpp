@@ -6,6 +6,7 @@
 
 #include "bodies.hpp"
 #include "campaigns/dice.hpp"
+#include "periodic.hpp"
 
 namespace vbond {
 namespace {
