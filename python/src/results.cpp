@@ -131,6 +131,7 @@ void bind_results(py::module_& m) {
       .def_readonly("residuals", &StaticResult::residuals, "Of the last load step, iteration by iteration")
       .def_readonly("unstable", &StaticResult::unstable, "Unstable directions at the end; None: not counted")
       .def_readonly("neutral", &StaticResult::neutral)
+      .def_readonly("free_turns", &StaticResult::free_turns, "Of particles at the end: nothing turns them")
       .def_readonly("jumped", &StaticResult::jumped)
       .def_readonly("left_saddle", &StaticResult::left_saddle)
       .def_readonly("smallest_eigenvalue", &StaticResult::smallest_eigenvalue)

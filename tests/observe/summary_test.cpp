@@ -256,6 +256,7 @@ RunSummary all_kinds() {
                 critical = statics(StageKind::buckling), modes = statics(StageKind::modes),
                 failed = statics(StageKind::modes), fracture = statics(StageKind::fracture);
   equilibrium.result.left_saddle = equilibrium.result.jumped = equilibrium.result.neutral = true;
+  equilibrium.result.free_turns = 6;
   path.result.special_points = {{PointKind::bifurcation, 0.25, 3, 0, 1, 1e-7},
                                 {PointKind::limit_point, 0.5, 4, 1, 2, 0.0},
                                 {PointKind::bifurcation, 0.3, 7, 2, 1, 0.0}};
@@ -347,6 +348,7 @@ TEST(RunSummary, StaticStagesHoldTheirResultsByKind) {
   EXPECT_EQ(equilibrium["solver"], "direct");
   EXPECT_EQ(equilibrium["unstable"], 1);
   EXPECT_EQ(equilibrium["left_saddle"], true);
+  EXPECT_EQ(equilibrium["free_turns"], 6);
   EXPECT_EQ(equilibrium["smallest_eigenvalue"], -1.0 / 3.0);
   EXPECT_EQ(equilibrium["time"], 7.5);
   EXPECT_FALSE(equilibrium.contains("stop"));

@@ -424,6 +424,7 @@ TEST(BlochModesCampaign, RandomBodiesSwingAsTheirCopiesSay) {
       const Eigen::MatrixXcd K = tangent_by_copies(s, out.state, out.result.waves[w]);
       const Vector values = testing::hermitian_eigenvalues(K, M.cast<Complex>());
       const double largest = values.cwiseAbs().maxCoeff();
+      if (largest == 0.0) return {"nothing swings"};
       tally.below(
           "square of a frequency",
           largest_difference(squares(out.result, static_cast<int>(w) + 1), {values.begin(), values.end()}) /

@@ -140,8 +140,38 @@ TEST(RigidMotions, AreThoseOfEachPart) {
   b.model.contact.c_H = 1.0;
   b.state.r[ParticleId{5}] = {5.0, 0.9, 0.0};  // touches particle 1
   m = b.motions();
-  EXPECT_EQ(m.names.size(), 3u);
+  ASSERT_EQ(m.names.size(), 6u);
   EXPECT_EQ(m.names[0], "rotation about x of the 3 particles from 1 to 5 that hang together");
+  EXPECT_EQ(m.names[3], "rotation about x of particle 5");  // no bond turns it along
+}
+
+/// Balls that touch in a row, all of whose turns nothing drives or resists.
+Names motions_of_balls(std::size_t number, const std::vector<Support>& supports) {
+  Body b(chain(number, {0.0, 0.0, 0.9}));
+  b.state.bonds = PerBond<Bond>();
+  b.model.contact.law = ContactLaw::paper_hertz;
+  b.model.contact.c_H = 1.0;
+  std::vector<Unknowns::Place> idle;
+  for (const ParticleId p : b.model.mass.ids())
+    for (const int dof : {3, 4, 5}) idle.push_back({p, dof});
+  const Unknowns unknowns(number, supports, turn_length, {}, idle);
+  const RigidMotions m = free_rigid_motions(b.model, b.state, unknowns);
+  EXPECT_EQ(static_cast<std::size_t>(m.basis.cols()), m.names.size());
+  return m.names;
+}
+
+// No turn about the line through their centres moves these. What holds all of one is taken to hold the row.
+TEST(RigidMotions, OfBallsThatTouchAreThoseOfTheirCentres) {
+  EXPECT_EQ(motions_of_balls(1, {}),
+            (Names{"translation along x of particle 0", "translation along y of particle 0",
+                   "translation along z of particle 0"}));
+  EXPECT_EQ(motions_of_balls(3, {}),
+            (Names{"translation along x of particles 0 to 2", "translation along y of particles 0 to 2",
+                   "translation along z of particles 0 to 2", "rotation about x of particles 0 to 2",
+                   "rotation about y of particles 0 to 2"}));
+  EXPECT_EQ(motions_of_balls(3, {{"", {ParticleId{0}}, pin, {}, {}}}),
+            (Names{"rotation about x of particles 0 to 2", "rotation about y of particles 0 to 2"}));
+  EXPECT_EQ(motions_of_balls(3, {{"", {ParticleId{0}}, clamp, {}, {}}}), Names{});
 }
 
 // By their numbers: one, a run, two with others between, and more of them.

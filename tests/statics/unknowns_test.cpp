@@ -27,6 +27,19 @@ TEST(Unknowns, NumberTheFreeDegreesOfFreedomParticleByParticle) {
   }
 }
 
+// Those that supports hold anyway are not counted.
+TEST(Unknowns, AreNoTurnsThatNothingDrivesOrResists) {
+  const Unknowns u(2, {{"held", {first}, {true, false, false, false, false, true}, {}, {}}}, 2.0, {},
+                   {{first, 3}, {first, 4}, {first, 5}, {second, 4}});
+  ASSERT_EQ(u.size(), 7);
+  for (const int dof : {3, 4, 5}) EXPECT_EQ(u.of(first, dof), Unknowns::held);
+  EXPECT_EQ(u.of(second, 4), Unknowns::held);
+  EXPECT_EQ(u.of(second, 5), 6);
+  ASSERT_EQ(u.free_turns().size(), 3u);
+  EXPECT_EQ(u.free_turns()[1].dof, 4);
+  EXPECT_EQ(u.names_of_free_turns(), "particles 0, 1");
+}
+
 TEST(Unknowns, AreCalledByWhatMovesAndTheParticle) {
   const Unknowns u = ten_unknowns();
   EXPECT_EQ(u.name(0), "translation along y of particle 0");

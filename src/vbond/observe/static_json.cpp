@@ -291,6 +291,7 @@ Json to_json(const StaticSummary& s) {
   if (r.solver_iterations > 0) j["solver_iterations"] = r.solver_iterations;
   if (s.kind == StageKind::equilibrium) j["jumped"] = r.jumped;
   if (s.kind == StageKind::equilibrium && r.unstable) j["neutral"] = r.neutral;
+  if (r.free_turns > 0) j["free_turns"] = r.free_turns;
   if (r.unstable) j["unstable"] = *r.unstable;
   if (r.smallest_eigenvalue) j["smallest_eigenvalue"] = *r.smallest_eigenvalue;
   if (!s.failure.empty()) j["failure"] = s.failure;
@@ -315,6 +316,7 @@ StaticSummary static_summary(const Json& j) {
   r.solver = j.at("solver").get<std::string>();
   if (j.contains("solver_iterations")) r.solver_iterations = small_number(j["solver_iterations"]);
   r.neutral = j.value("neutral", false);
+  if (j.contains("free_turns")) r.free_turns = small_number(j["free_turns"]);
   r.jumped = j.value("jumped", false);
   r.left_saddle = j.at("left_saddle").get<bool>();
   r.unstable = count_if_known(j, "unstable");

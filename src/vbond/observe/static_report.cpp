@@ -76,6 +76,7 @@ std::string breaks(const FractureResult& f) {
 std::string stability(const StaticResult& r) {
   std::string text = balance_in_words(r);
   if (r.smallest_eigenvalue) text += fmt::format(", smallest eigenvalue {:.6g}", *r.smallest_eigenvalue);
+  if (r.free_turns > 0) text += fmt::format("; {} turns meet no stiffness", r.free_turns);
   if (r.jumped) text += "; the body jumped on the way";
   if (r.left_saddle) text += "; an unstable balance was left on the way";
   return text + '\n' + strength(r);

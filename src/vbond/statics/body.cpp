@@ -46,6 +46,29 @@ Unknowns::Cell free_cell(const Model& model, const StaticStage& stage, double le
 
 }  // namespace
 
+std::vector<Unknowns::Place> idle_turns(const Model& model, const StaticStage& stage, const State& state) {
+  constexpr double rounding = 1e-12;  // of slanted axes
+  PerParticle<std::array<char, 3>> turned(model.particles(), {false, false, false});
+  constexpr std::array<char, 3> all{true, true, true};
+  for (const Bond& b : state.bonds)
+    if (!b.broken) turned[b.i] = turned[b.j] = all;
+  for (const Support& s : stage.supports)
+    if (is_free_grip(s))
+      for (const ParticleId p : s.particles) turned[p] = all;
+  const ParticleAxes axes(stage.supports);
+  for (const PointLoad& l : stage.loads)
+    for (const ParticleId p : l.particles) {
+      const Vec3d M = l.moment_on(model.mass[p]), about = l.follower ? rotate(state.q[p], M) : M;
+      for (std::size_t k = 0; k < 3; ++k)
+        if (std::abs(dot(about, axis_of(axes.get(p), 3 + k))) > rounding * norm(M)) turned[p][k] = true;
+    }
+  std::vector<Unknowns::Place> idle;
+  for (const ParticleId p : turned.ids())
+    for (std::size_t k = 0; k < 3; ++k)
+      if (!turned[p][k]) idle.push_back({p, static_cast<int>(3 + k)});
+  return idle;
+}
+
 double distance(const Placement& a, const Placement& b, double length) {
   double largest = 0.0;
   const bool cell_moved = a.cell != b.cell;
@@ -71,7 +94,7 @@ StaticBody::StaticBody(const Model& model, const StaticStage& stage, State state
       held_at_(load_factor),
       holds_(holds_of(stage.supports)),
       unknowns_(model.particles(), stage.supports, length_scale(model, state_),
-                free_cell(model, stage, length_scale(model, state_))),
+                free_cell(model, stage, length_scale(model, state_)), idle_turns(model, stage, state_)),
       terms_(*this, state_),
       bonded_(model.particles(), false),
       held_rate_(model.particles()),
@@ -216,6 +239,14 @@ void StaticBody::break_bond(BondId k, BreakMode mode) {
   for (const Bond& b : state_.bonds)
     if (!b.broken) bonded_[b.i] = bonded_[b.j] = true;
   placed();
+}
+
+bool StaticBody::turns_come_free() const {
+  const auto is_unknown = [this](const Unknowns::Place& turn) {
+    return unknowns_.of(turn.particle, turn.dof) != Unknowns::held;
+  };
+  const std::vector<Unknowns::Place> idle = idle_turns(model_, stage_, state_);
+  return std::any_of(idle.begin(), idle.end(), is_unknown);
 }
 
 /// The bond cracks, and its faces rub from this balance on.

@@ -168,6 +168,12 @@ void BreakingBody::begin(State state, double load_factor) {
   stable_at_.reset();
 }
 
+/// Where it stands, with other unknowns.
+void BreakingBody::begin_anew() {
+  const double factor = load_factor();
+  begin(std::move(*body_).take_state(), factor);
+}
+
 double BreakingBody::reaction(const Support& s) const {
   return body_->reaction_along_motion(s);
 }
@@ -331,6 +337,7 @@ Support& BreakingBody::free_grip_of(ParticleId first) {
 
 std::optional<std::string> BreakingBody::hold_free_parts() {
   constexpr double nothing = 1e-9;  // of the loads that drive a part: rounding
+  if (body_->turns_come_free()) begin_anew();
   const RigidMotions free =
       free_rigid_motions(model_, body_->state(), body_->unknowns(), body_->terms().holds(false));
   if (free.names.empty()) return std::nullopt;
@@ -358,8 +365,7 @@ std::optional<std::string> BreakingBody::hold_free_parts() {
     hold(part);
   }
   ++result_.fracture.released_parts;
-  const double factor = load_factor();
-  begin(std::move(*body_).take_state(), factor);
+  begin_anew();
   return std::nullopt;
 }
 

@@ -385,8 +385,9 @@ std::optional<State> balance_of_constant_loads(const Model& model, const StaticS
       quiet.tell = [&hooks, loaded](const std::string& text) {
         hooks.tell((loaded ? "while the constant loads come on: " : "while the body comes to rest: ") + text);
       };
-    StaticResult own;  // of strength the stage tells at its own points
+    StaticResult own;  // of strength and of free turns the stage tells at its own points
     own.most_used = BondUse{.utilisation = std::numeric_limits<double>::infinity()};
+    own.free_turns = static_cast<int>(body.unknowns().free_turns().size());
     LoadSteps(body, quiet, own).run();
     result.iterations += own.iterations;
     if (own.ended == "interrupted") return std::nullopt;

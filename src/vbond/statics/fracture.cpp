@@ -68,6 +68,7 @@ class Fracture {
         now_(walk_.here()),
         told_at_(result.points) {
     take_up(then.numbers);
+    note_free_turns(walk_.body(), hooks_, result_);
     if (hooks_.goes_on) hooks_.goes_on(point_at(walk_.body(), PointKind::regular, 0, result_));
   }
 

@@ -45,8 +45,8 @@ std::vector<Eigen::Triplet<double>> entries_of(const SparseMatrix& A) {
   return entries;
 }
 
-/// The tangent with a stiffness for each unknown that has none and moves nothing else, as the turns of a
-/// grain that is only touched: where nothing loads them, solutions leave them alone.
+/// The tangent with a stiffness for each unknown that has none and moves nothing else, as the place of a
+/// grain on a floor, or of one that has come off: where nothing loads them, solutions leave them alone.
 SparseMatrix with_idle_held(SparseMatrix K) {
   Vector entries = Vector::Zero(K.rows());
   for (int k = 0; k < K.outerSize(); ++k)

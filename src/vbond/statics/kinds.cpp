@@ -32,7 +32,8 @@ std::optional<BondUse> most_used_bond(const State& s, double load_factor) {
 }
 
 void refuse_nothing_free(const StaticBody& body) {
-  if (body.unknowns().size() > 0) return;
+  const bool modes = body.stage().kind == StageKind::modes;  // turns that nothing turns are among them
+  if (body.unknowns().size() > 0 || (modes && !body.unknowns().free_turns().empty())) return;
   throw NoEquilibrium(body.stage().name, "nothing is free to move",
                       "paths, critical loads and modes are of degrees of freedom that are free: hold fewer");
 }
@@ -226,6 +227,15 @@ void watch_strength(const StaticBody& body, const StaticHooks& hooks, StaticResu
 
 }  // namespace
 
+void note_free_turns(const StaticBody& body, const StaticHooks& hooks, StaticResult& result) {
+  const int before = result.free_turns;
+  result.free_turns = static_cast<int>(body.unknowns().free_turns().size());
+  if (before > 0 || result.free_turns == 0) return;
+  tell(body.stage(), hooks,
+       fmt::format("nothing turns {}: {} turns meet no stiffness, and stay as they are",
+                   body.unknowns().names_of_free_turns(), result.free_turns));
+}
+
 void report_point(StaticBody& body, PointKind kind, std::optional<int> unstable, const StaticHooks& hooks,
                   StaticResult& result) {
   refuse_not_finite(body);
@@ -238,6 +248,7 @@ void report_point(StaticBody& body, PointKind kind, std::optional<int> unstable,
   ++body.clock().stage_step;
   ++result.points;
   result.load_factor = body.load_factor();
+  note_free_turns(body, hooks, result);
   if (body.stage().kind != StageKind::fracture) watch_strength(body, hooks, result);
   if (hooks.point) hooks.point(point_at(body, kind, unstable, result));
 }

@@ -169,7 +169,8 @@ Swings swings_by_multigrid(ByMultigrid& solver, const MassRoot& root, const Spar
 struct Vibrating {
   const StaticBody& body;
   const MassRoot& root;
-  const SparseMatrix& rigid;  // motions without stiffness of a body that repeats with its cell
+  const SparseMatrix& rigid;              // motions without stiffness of a body that repeats with its cell
+  const std::vector<NaturalMode>& turns;  // of particles that touch nothing
   int count;
 };
 
@@ -186,6 +187,24 @@ NaturalMode mode(const Vibrating& v, double omega2, bool rigid, const Eigen::Vec
           std::move(shape.in_phase),        0,      std::move(shape.out_of_phase)};
 }
 
+/// The turns of particles that touch nothing, as rigid motions. Those of others are no motions of a part.
+std::vector<NaturalMode> turns_of_loose(const StaticBody& body) {
+  const std::vector<Unknowns::Place>& turns = body.unknowns().free_turns();
+  if (turns.empty()) return {};
+  const PartImages parts = images_of_parts(body.model(), body.state(), body.unknowns());
+  std::vector<std::size_t> number(parts.loops.size(), 0);
+  for (const std::size_t part : parts.part) ++number[part];
+  std::vector<NaturalMode> modes;
+  for (const auto& [p, dof] : turns) {
+    if (number[parts.part[p]] > 1) continue;
+    const std::size_t particles = body.model().particles();
+    Shape shape{PerParticle<Vec3d>(particles), PerParticle<Vec3d>(particles)};
+    shape.rotation[p] = body.unknowns().axis(p, dof);
+    modes.push_back({0.0, 0.0, true, std::move(shape)});
+  }
+  return modes;
+}
+
 /// Modes, and how many of them are clearly unstable.
 struct Modes {
   std::vector<NaturalMode> all;
@@ -199,7 +218,7 @@ struct Modes {
 /// Of images that move as the particles do. solver: prepared where multigrid is to be used.
 Modes modes_of_cell(const Vibrating& v, TangentSolver& solver, const SparseMatrix& K,
                     const SparseMatrix& rigid) {
-  Modes found;
+  Modes found{v.turns};
   for (Eigen::Index k = 0; k < rigid.cols(); ++k)
     found.all.push_back(mode(v, 0.0, true, Vector(rigid.col(k))));
   const int left = static_cast<int>(K.rows() - rigid.cols());
@@ -218,7 +237,7 @@ Modes modes_of_cell(const Vibrating& v, TangentSolver& solver, const SparseMatri
 /// Of a wave. Each eigenvalue of the doubled matrix stands there twice; what is found up to some eigenvalue
 /// spans the waves up to it, in whatever vectors.
 Modes modes_of_wave(const Vibrating& v, const BlochTangent& K, const Eigen::MatrixXcd& rigid) {
-  Modes found;
+  Modes found{v.turns};
   for (Eigen::Index k = 0; k < rigid.cols(); ++k)
     found.all.push_back(mode(v, 0.0, true, Eigen::VectorXcd(rigid.col(k))));
   const int left = static_cast<int>(K.real.rows() - rigid.cols());
@@ -268,7 +287,8 @@ StaticOutcome find_modes(const Model& model, const StaticStage& stage, State sta
         body.friction_part() > 0.0 ? "friction of cracked bonds has" : "moments of fixed direction have"));
   const MassRoot root(model, body.state(), body.unknowns());
   const SparseMatrix rigid = motions_without_stiffness(body, root);
-  const Vibrating vibrating{body, root, rigid, stage.count};
+  const std::vector<NaturalMode> turns = turns_of_loose(body);
+  const Vibrating vibrating{body, root, rigid, turns, stage.count};
   TangentSolver solver(stage.newton.solver);
   const bool swings = body.unknowns().size() > rigid.cols();
   Modes found;
@@ -289,6 +309,12 @@ StaticOutcome find_modes(const Model& model, const StaticStage& stage, State sta
   }
   result.modes = std::move(found.all);
   result.unstable = found.unstable;
+  if (const std::size_t all = body.unknowns().free_turns().size(); all > turns.size())
+    tell(stage, hooks,
+         fmt::format(
+             "{} modes of frequency zero are not listed: turns of particles that others touch, and that "
+             "nothing turns",
+             all - turns.size()));
   if (fewest < stage.count) tell(stage, hooks, fmt::format("the body has {} frequencies only", fewest));
   result.ended = "converged";
   result.solver = solver.name();

@@ -163,6 +163,7 @@ struct StaticResult {
   int solver_iterations = 0;      ///< of multigrid, for equations and eigenvalues, all together
   std::optional<int> unstable;    ///< negative eigenvalues of the tangent at the end; absent: not counted
   bool neutral = false;           ///< not unstable, but a motion meets no stiffness at the end
+  int free_turns = 0;             ///< of particles at the end, which nothing drives or resists
   bool jumped = false;            ///< it lost its balance between two load steps and went to another one
   bool left_saddle = false;       ///< an unstable balance was met and left
   std::vector<double> residuals;  ///< of the last load factor, iteration by iteration, relative

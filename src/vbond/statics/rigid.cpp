@@ -17,6 +17,7 @@ namespace {
 
 using Motion = Eigen::Matrix<double, 6, 1>;  // translation of the centroid, turn about it times the radius
 using Motions = Eigen::Matrix<double, 6, Eigen::Dynamic>;
+using Row = Eigen::Matrix<double, 1, 6>;  // what moves with each of them
 
 // What is held at a lever d of the size of a part resists turning with d^2 of the stiffness. That is lost in
 // the rounding of the tangent once d is below the root of eps.
@@ -98,30 +99,43 @@ Parts connected_parts(const Model& model, const State& state, const Unknowns& un
   return parts;
 }
 
+/// Whether particles turn with the part that they are of: contacts alone turn none.
+PerParticle<char> turning_along(const Model& model, const State& state, const Unknowns& unknowns) {
+  PerParticle<char> along(model.particles(), false);
+  for (const Bond& b : state.bonds)
+    if (!b.broken) along[b.i] = along[b.j] = true;
+  for (const ParticleId p : along.ids())
+    if (unknowns.arm(p) != nullptr) along[p] = true;
+  return along;
+}
+
 /// A part as a rigid body: where it is, and the six motions of its degrees of freedom.
 class RigidPart {
  public:
-  RigidPart(const Part& part, const PerParticle<Vec3d>& r, double turn_length)
-      : part_(part), r_(r), turn_length_(turn_length), radius_(turn_length) {
+  RigidPart(const Part& part, const PerParticle<Vec3d>& r, const PerParticle<char>& turn_along,
+            double turn_length)
+      : part_(part), r_(r), turn_along_(turn_along), turn_length_(turn_length), radius_(turn_length) {
     const std::vector<ParticleId>& all = part.particles;
     for (const ParticleId p : all) centroid_ += r[p] / static_cast<double>(all.size());
     for (const ParticleId p : all) radius_ = std::max(radius_, norm(r[p] - centroid_));
   }
 
-  /// How a degree of freedom moves with each of the motions: no entry is above 1 in size. Turns of particles
-  /// count times the length scale, as in Unknowns.
-  Eigen::Matrix<double, 1, 6> row(ParticleId p, int dof, const Unknowns& unknowns) const {
+  /// Degrees of freedom that move with the part.
+  int dofs(ParticleId p) const { return turn_along_[p] ? 6 : 3; }
+  /// How one of them moves with each of the motions: no entry is above 1 in size. Turns of particles count
+  /// times the length scale, as in Unknowns.
+  Row row(ParticleId p, int dof, const Unknowns& unknowns) const {
     const Vec3d& a = unknowns.axis(p, dof);
     const Vec3d* arm = unknowns.arm(p);
     if (dof < 3) return row(arm == nullptr ? r_[p] : r_[p] - *arm, a);
-    Eigen::Matrix<double, 1, 6> h = Eigen::Matrix<double, 1, 6>::Zero();
+    Row h = Row::Zero();
     for (int k = 0; k < 3; ++k) h[3 + k] = turn_length_ / radius_ * component(a, k);
     return h;
   }
   /// The same of a translation of what is at r along a direction.
-  Eigen::Matrix<double, 1, 6> row(const Vec3d& r, const Vec3d& n) const {
+  Row row(const Vec3d& r, const Vec3d& n) const {
     const Vec3d lever = cross((r - centroid_) / radius_, n);
-    Eigen::Matrix<double, 1, 6> h;
+    Row h;
     h << n.x, n.y, n.z, lever.x, lever.y, lever.z;
     return h;
   }
@@ -129,10 +143,11 @@ class RigidPart {
   /// Combinations that move no held degree of freedom, and no particle along the normal of a wall, and turn
   /// no way to an image, which the cell holds.
   Motions free_motions(const Unknowns& unknowns, const PerParticle<std::vector<Vec3d>>& normals) const {
-    std::vector<Eigen::Matrix<double, 1, 6>> held;
+    std::vector<Row> held;
     for (const ParticleId p : part_.particles) {
       for (int dof = 0; dof < 6 && unknowns.carrier(p) == p; ++dof)
-        if (unknowns.of(p, dof) == Unknowns::held) held.push_back(row(p, dof, unknowns));
+        if (unknowns.of(p, dof) == Unknowns::held && !unknowns.is_free_turn(p, dof))
+          held.push_back(row(p, dof, unknowns));
       for (const Vec3d& n : normals[p]) held.push_back(row(r_[p], n));
     }
     for (const Vec3d& u : part_.across)
@@ -141,16 +156,34 @@ class RigidPart {
         held.emplace_back() << 0.0, 0.0, 0.0, turned.x, turned.y, turned.z;
       }
     if (held.empty()) return Motions::Identity(6, 6);
-    DenseMatrix H = DenseMatrix::Zero(std::max<Eigen::Index>(6, static_cast<Eigen::Index>(held.size())), 6);
-    for (std::size_t k = 0; k < held.size(); ++k) H.row(static_cast<Eigen::Index>(k)) = held[k];
-    const DenseSingular svd = singular_values(upper_factor(H));
-    const Eigen::Index holding = (svd.values.array() > smallest_lever).count();
-    return svd.V.rightCols(6 - holding);
+    const auto [V, holding] = directions(held);
+    return V.rightCols(6 - holding);
+  }
+  /// Of these motions those that move anything: grains that touch along a line, or one alone, turn about it
+  /// without moving their centres.
+  Motions moving(const Motions& free, const Unknowns& unknowns) const {
+    if (free.cols() == 0 || std::any_of(part_.particles.begin(), part_.particles.end(),
+                                        [this](ParticleId p) { return turn_along_[p] != 0; }))
+      return free;
+    std::vector<Row> moved;
+    for (const ParticleId p : part_.particles)
+      for (int dof = 0; dof < 3; ++dof) moved.push_back(row(p, dof, unknowns) * free * free.transpose());
+    const auto [V, moving] = directions(moved);
+    return V.leftCols(moving);
   }
 
  private:
+  /// Orthonormal directions, first as many as the rows have parts along.
+  static std::pair<DenseMatrix, Eigen::Index> directions(const std::vector<Row>& rows) {
+    DenseMatrix H = DenseMatrix::Zero(std::max<Eigen::Index>(6, static_cast<Eigen::Index>(rows.size())), 6);
+    for (std::size_t k = 0; k < rows.size(); ++k) H.row(static_cast<Eigen::Index>(k)) = rows[k];
+    const DenseSingular svd = singular_values(upper_factor(H));
+    return {svd.V, (svd.values.array() > smallest_lever).count()};
+  }
+
   const Part& part_;
   const PerParticle<Vec3d>& r_;
+  const PerParticle<char>& turn_along_;
   double turn_length_, radius_;
   Vec3d centroid_;
 };
@@ -204,6 +237,10 @@ std::string motion_name(const Motion& m, const Part& part) {
   return fmt::format("{} about {} of {}", screw ? "screw motion" : "rotation", axis_name(turn), who);
 }
 
+std::string turn_name(const Vec3d& axis, ParticleId p) {
+  return fmt::format("rotation about {} of particle {}", axis_name({axis.x, axis.y, axis.z}), p.value);
+}
+
 }  // namespace
 
 RigidMotions free_rigid_motions(const Model& model, const State& state, const Unknowns& unknowns,
@@ -213,16 +250,21 @@ RigidMotions free_rigid_motions(const Model& model, const State& state, const Un
   for (const TermHold& h : holds) normals[h.p].push_back(h.along);
   std::vector<Eigen::Triplet<double>> entries;
   const Parts parts = connected_parts(model, state, unknowns);
+  const PerParticle<char> turn_along = turning_along(model, state, unknowns);
   for (const Part& part : parts.all) {
-    const RigidPart body(part, parts.r, unknowns.length());
-    const Motions free = along_axes(body.free_motions(unknowns, normals));
+    const RigidPart body(part, parts.r, turn_along, unknowns.length());
+    const Motions free = along_axes(body.moving(body.free_motions(unknowns, normals), unknowns));
     const int first = static_cast<int>(result.names.size());
     for (Eigen::Index k = 0; k < free.cols(); ++k) result.names.push_back(motion_name(free.col(k), part));
-    if (free.cols() == 0) continue;
     for (const ParticleId p : part.particles)
       for (int dof = 0; dof < 6; ++dof) {
         const int unknown = unknowns.of(p, dof);
         if (unknown == Unknowns::held) continue;
+        if (dof >= body.dofs(p)) {
+          entries.emplace_back(unknown, static_cast<int>(result.names.size()), 1.0);
+          result.names.push_back(turn_name(unknowns.axis(p, dof), p));
+          continue;
+        }
         const Eigen::RowVectorXd moves = body.row(p, dof, unknowns) * free;
         for (int k = 0; k < static_cast<int>(free.cols()); ++k)
           if (moves[k] != 0.0) entries.emplace_back(unknown, first + k, moves[k]);

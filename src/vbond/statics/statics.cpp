@@ -128,6 +128,13 @@ class HeldAboutOneAxis {
   std::vector<Held> at_start_;
 };
 
+/// Turns that are no unknowns have the eigenvalue zero all the same.
+void count_free_turns(const StaticStage& stage, StaticResult& r) {
+  if (r.free_turns == 0) return;
+  if (r.smallest_eigenvalue) r.smallest_eigenvalue = std::min(*r.smallest_eigenvalue, 0.0);
+  if (stage.kind == StageKind::equilibrium && r.unstable == 0) r.neutral = true;
+}
+
 void refuse_contacts(const Model& model, const StaticStage& stage, const State& state) {
   if (any_capsules(model.contact, state.bonds))
     throw NoEquilibrium(stage.name,
@@ -196,6 +203,7 @@ StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, Sta
       };
     StaticOutcome outcome = run_kind(model, held, std::move(state), keeping, then);
     one_axis.tell_of_steps(stage, outcome.state, hooks);
+    count_free_turns(stage, outcome.result);
     return outcome;
   } catch (const NoEquilibrium&) {
     throw;

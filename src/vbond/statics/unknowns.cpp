@@ -4,14 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numeric>
+#include <utility>
 
 #include "vbond/model/cell_drive.hpp"
 
 namespace vbond {
 
 Unknowns::Unknowns(std::size_t particles, const std::vector<Support>& supports, double length,
-                   const Cell& cell)
+                   const Cell& cell, const std::vector<Place>& idle)
     : axes_(supports),
       number_(particles + (cell.any() ? 1 : 0), {0, 0, 0, 0, 0, 0}),
       particles_(particles),
@@ -26,6 +28,9 @@ Unknowns::Unknowns(std::size_t particles, const std::vector<Support>& supports, 
         if (of_p[dof]) number_[p][dof] = held;
     }
   }
+  for (const Place& turn : idle)
+    if (std::exchange(number_[turn.particle][static_cast<std::size_t>(turn.dof)], held) != held)
+      free_turns_.push_back(turn);
   if (cell.any())
     for (std::size_t k = 0; k < 6; ++k)
       if (!cell.free[k]) number_[cell_node()][k] = held;
@@ -72,6 +77,24 @@ std::string Unknowns::names_of_largest(const Vector& x) const {
     text += (text.empty() ? "" : ", ") + name(unknown);
   }
   return text;
+}
+
+bool Unknowns::is_free_turn(ParticleId p, int dof) const {
+  return std::binary_search(free_turns_.begin(), free_turns_.end(), Place{p, dof},
+                            [](const Place& a, const Place& b) {
+                              return std::pair(a.particle, a.dof) < std::pair(b.particle, b.dof);
+                            });
+}
+
+std::string Unknowns::names_of_free_turns() const {
+  constexpr std::size_t named = 3;
+  std::vector<std::uint32_t> numbers;
+  for (const Place& turn : free_turns_)
+    if (numbers.empty() || numbers.back() != turn.particle.value) numbers.push_back(turn.particle.value);
+  const std::size_t all = numbers.size();
+  numbers.resize(std::min(named, all));
+  return fmt::format("particle{} {}{}", all == 1 ? "" : "s", fmt::join(numbers, ", "),
+                     all > named ? fmt::format(" and {} more", all - named) : "");
 }
 
 WaveShape Unknowns::shape(const Vector& real, const Vector& imaginary) const {

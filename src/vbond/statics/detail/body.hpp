@@ -33,6 +33,11 @@ inline double way_of(const Support& s) {
   return along > 0.0 ? along : norm(s.angular_velocity);
 }
 
+/// Turns, held ones among them, that nothing drives or resists: of particles without bonds that are of no
+/// rigid support which is free in part, about axes along which no moment acts. At rest contacts and walls
+/// push towards the centre.
+std::vector<Unknowns::Place> idle_turns(const Model& model, const StaticStage& stage, const State& state);
+
 /// What two particles that touch do to each other, j by this image, and how that changes.
 PairTangent<3> touch(const Model& m, const State& s, ParticleId i, ParticleId j, const Image& of_j);
 
@@ -210,6 +215,8 @@ class StaticBody {
   Vector applied_loads_alone(double load_factor) const { return on_unknowns(applied_loads(load_factor)); }
   /// The bond is there no more.
   void break_bond(BondId k, BreakMode mode);
+  /// Whether bonds have broken and left turns that nothing drives or resists among the unknowns.
+  bool turns_come_free() const;
   /// How many bonds that was done to.
   std::int64_t breaks() const { return breaks_; }
   /// What rounding may make of it.  [energy]

@@ -77,14 +77,15 @@ class BreakingBody {
   void add_work_of_walls(const Vector& work);
 
   void break_bond(BondId k, BreakMode mode);
-  /// Holds parts that can move freely now. Returns what moves freely under loads, in words, or nothing; then
-  /// nothing is held.
+  /// Holds parts that can move freely now, and leaves turns that nothing turns any more alone. Returns what
+  /// moves freely under loads, in words, or nothing; then nothing is held.
   std::optional<std::string> hold_free_parts();
   Support& free_grip_of(ParticleId first);
 
  private:
   bool may_be_stable() const;
   void begin(State state, double load_factor);
+  void begin_anew();
   void hold(const HeldPart& part);
   void go_on_with_kept_factor(const FractureUnderWay& then);
   void refuse_another_stage(const FractureUnderWay& then) const;

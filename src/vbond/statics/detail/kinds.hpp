@@ -108,6 +108,9 @@ void refuse_pressure_without_energy(const StaticBody& body);
 StaticPoint point_at(StaticBody& body, PointKind kind, std::optional<int> unstable,
                      const StaticResult& result);
 
+/// Counts turns that nothing drives or resists. Tells of them where there were none so far.
+void note_free_turns(const StaticBody& body, const StaticHooks& hooks, StaticResult& result);
+
 /// Adds one to the clock, counts the point and hands this balance to hooks.point. Throws NoEquilibrium
 /// instead if it is not finite.
 void report_point(StaticBody& body, PointKind kind, std::optional<int> unstable, const StaticHooks& hooks,

@@ -16,10 +16,10 @@ struct TermHold {
 };
 
 /// The motions as a rigid body, of each connected part (by bonds and contacts), that neither supports nor
-/// terms hold.
+/// terms hold. Turns of a particle that has contacts but no bonds are motions of its own.
 struct RigidMotions {
-  /// Orthonormal columns over the unknowns; those of one part, six at most, follow each other and have
-  /// entries at its unknowns only.
+  /// Orthonormal columns over the unknowns; those of one part, six at most, follow each other, and have
+  /// entries at its unknowns only. Then come turns of single particles of it.
   SparseMatrix basis;
   /// One per column, e.g. "rotation about x of particles 0 to 9": of motions that span the same as the
   /// columns of the part.

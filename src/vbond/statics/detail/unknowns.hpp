@@ -31,6 +31,8 @@ struct WaveShape {
 ///
 /// Components of the deformation gradient of a periodic cell that give way to a stress come last, times a
 /// length of the cell's own, as if they were the degrees of freedom of one more particle, the cell's node.
+///
+/// Turns that nothing drives or resists are no unknowns: the particle stays as it is.
 class Unknowns {
  public:
   static constexpr int held = -1;
@@ -43,17 +45,20 @@ class Unknowns {
   };
 
   /// length > 0: turns are multiplied by it.
-  Unknowns(std::size_t particles, const std::vector<Support>& supports, double length, const Cell& cell);
+  struct Place {
+    ParticleId particle;
+    int dof;
+  };
+  /// idle: turns that nothing drives or resists, held or not, by particles, then by dof; of no rigid support
+  /// that is free in part.
+  Unknowns(std::size_t particles, const std::vector<Support>& supports, double length, const Cell& cell,
+           const std::vector<Place>& idle = {});
   Unknowns(std::size_t particles, const std::vector<Support>& supports, double length)
       : Unknowns(particles, supports, length, {{}, 1.0}) {}
 
   int size() const { return static_cast<int>(place_.size()); }
   /// The unknown of degree of freedom 0..5 (along its axes, turns about its axes) of a particle, or `held`.
   int of(ParticleId p, int dof) const { return number_[p][static_cast<std::size_t>(dof)]; }
-  struct Place {
-    ParticleId particle;
-    int dof;
-  };
   /// Of a particle; nullptr: those of the world.
   const HeldAxes* axes(ParticleId p) const { return axes_.get(p); }
   const Vec3d& axis(ParticleId p, int dof) const { return axis_of(axes(p), static_cast<std::size_t>(dof)); }
@@ -108,6 +113,12 @@ class Unknowns {
   bool is_turn(int unknown) const { return place(unknown).dof >= 3 && !is_of_cell(unknown); }
   double length() const { return length_; }
 
+  /// Turns that supports leave free and that nothing drives or resists: motions that meet no stiffness.
+  const std::vector<Place>& free_turns() const { return free_turns_; }
+  bool is_free_turn(ParticleId p, int dof) const;
+  /// Of which particles they are: "particle 5", "particles 5, 7, 9 and 12 more".
+  std::string names_of_free_turns() const;
+
   /// Particles, and the cell's node if there is one.
   std::size_t nodes() const { return number_.size(); }
   ParticleId cell_node() const { return ParticleId{particles_}; }
@@ -136,7 +147,8 @@ class Unknowns {
   ParticleAxes axes_;
   PerParticle<std::array<int, 6>> number_;
   std::vector<Place> place_;
-  PerParticle<Carried> carried_;  // empty where no rigid support is free in part
+  PerParticle<Carried> carried_;   // empty where no rigid support is free in part
+  std::vector<Place> free_turns_;  // by particles, then by dof
   std::size_t particles_;
   double length_, cell_length_;
 };
