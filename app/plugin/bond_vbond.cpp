@@ -258,8 +258,10 @@ void BondVbond::arrange() {
     listed_.push_back(n);
   }
   Order order;
+  PerParticle<Row> own(rows);
   for (std::size_t row = 0; row < rows; ++row)
-    order.row.push_back(Row{row}), order.particle.push_back(ParticleId{row});
+    own[ParticleId{row}] = Row{row}, order.particle.push_back(ParticleId{row});
+  order.row = RowOf(std::move(own));
   order.own = order.known = rows;  // LAMMPS lists a bond where it is to be worked out
   packs_.arrange(state_, order, one_thread(rows));
   arranged_ = neighbor->lastcall;

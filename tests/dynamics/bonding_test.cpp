@@ -146,10 +146,12 @@ TEST(Bonding, FindsPairsInTheOrderOfRulesAndParticles) {
   stage.bonding = {{"sides of 2", {0, 0, 1, 0, 0}, {1, 1, 1, 1, 1}, 1.0, testing::papers_bond()},
                    any_pair_within(1.0, 5, testing::papers_bond())};
   Order backwards;
+  PerParticle<Row> rows;
   for (std::size_t k = 0; k < 5; ++k) {
     backwards.particle.push_back(ParticleId{4 - k});
-    backwards.row.push_back(Row{4 - k});
+    rows.push_back(Row{4 - k});
   }
+  backwards.row = RowOf(rows);
   backwards.own = backwards.known = 5;
   std::vector<PoseRow> pose(5);
   for (const ParticleId p : s.state.r.ids()) pose[backwards.row[p].value].r = s.state.r[p];

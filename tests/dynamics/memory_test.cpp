@@ -57,10 +57,11 @@ TEST(MemoryUse, CountsTops) {
   }
 }
 
-// One rank takes what a run takes. With very many, each holds model and state of the whole body, but not the
-// rows of particles (three of 64 bytes, four numbers and a name), and of bonds not the constants (56 bytes of
-// the rod's kind, and what a pack has besides) and the two entries of the index (24 bytes each).
-TEST(MemoryUse, OfRanksIsModelAndStateOfTheWholeBodyOnEach) {
+// One rank takes what a run takes. With very many, each holds model and state of the whole body where it has
+// all bonds as the stage begins, but not the rows of particles (three of 64 bytes, four numbers and a name),
+// and of bonds not the constants (56 bytes of the rod's kind, and what a pack has besides) and the two
+// entries of the index (24 bytes each).
+TEST(MemoryUse, OfRanksIsWhatEachHoldsAsAStageBegins) {
   constexpr std::size_t N = 1000;
   const Specimen s = straight_rod(N);
   const MemoryUse use = memory_use(s.model, s.state);
@@ -71,9 +72,11 @@ TEST(MemoryUse, OfRanksIsModelAndStateOfTheWholeBodyOnEach) {
   const double rows = N * (3 * 64.0 + 4 * 8.0 + 4.0);
   EXPECT_GT(whole - many, rows + (56.0 + 48.0) * bonds);
   EXPECT_LT(whole - many, rows + (66.0 + 48.0) * bonds);
-  // where ranks keep their own bonds, there is nothing of the others, but a name for each
+  // where ranks keep their own bonds, there is nothing of the others, but a name for each; and of particles
+  // of others the model alone, no state, no place of their row and of their entries of the index
   const double half = memory_of_each_rank(s.model, s.state, bonds, 2, RanksKeep::own_bonds);
-  EXPECT_DOUBLE_EQ(whole - half, 0.5 * (rows + bonds * (use.per_bond - sizeof(BondId))));
+  EXPECT_DOUBLE_EQ(whole - half,
+                   0.5 * (rows + N * (104.0 + 4.0 + 16.0) + bonds * (use.per_bond - sizeof(BondId))));
 }
 
 }  // namespace

@@ -126,6 +126,21 @@ Share part_of_bar(const Specimen& s, State& state, std::size_t k, std::size_t pa
   return {order, inf, inf, state.clock.stage_step == 0};
 }
 
+/// Those that a part with these bonds must know of, absent ones apart.
+std::size_t particles_of(const Order& order, const State& state) {
+  PerParticle<char> known(state.r.size(), 0);
+  for (Row row{0}; row.value < order.known; ++row.value) known[order.particle[row]] = 1;
+  for (const Bond& b : state.bonds)
+    if (order.has(b.i)) known[b.j] = 1;
+  return static_cast<std::size_t>(std::count(known.begin(), known.end(), 1));
+}
+
+/// How many particles a state has room for.
+std::vector<std::size_t> particles_held(const State& s) {
+  return {s.v.values().capacity(), s.q.values().capacity(), s.omega.values().capacity(),
+          s.loads.F.values().capacity(), s.loads.M.values().capacity()};
+}
+
 struct Seen {
   std::vector<Cell> row;
   WatchRecord record;
@@ -177,6 +192,8 @@ TEST_P(Parts, AddUpToWhatOneProcessSeesAndCollectNothing) {
     Meeting meeting(processes);
     std::vector<Seen> seen(processes);
     std::vector<std::size_t> gathered(processes), gathered_whole(processes), bonds(processes);
+    std::vector<std::size_t> known(processes), near(processes), has_row(processes);
+    std::vector<std::vector<std::size_t>> held(processes);
     std::vector<char> same_bonds(processes);
     std::vector<std::thread> threads;
     for (std::size_t k = 0; k < processes; ++k)
@@ -184,10 +201,14 @@ TEST_P(Parts, AddUpToWhatOneProcessSeesAndCollectNothing) {
         Process process(meeting, k);
         State mine = state;
         Share share = part_of_bar(s, mine, k, processes, process.images);
+        known[k] = particles_of(share.order, mine);
+        has_row[k] = share.order.row.held() ? share.order.row.held()->size() : s.model.particles();
         const Simulation part(s.model, stage, &mine, std::move(share), process);
         seen[k] = look_at(plan, part);
         gathered[k] = process.largest_gather;
-        bonds[k] = part.part().state.bonds.size();
+        const State& here = part.part().state;
+        bonds[k] = here.bonds.size();
+        held[k] = particles_held(here), near[k] = here.r.values().size();
         const State& all = part.state();
         same_bonds[k] = all.bonds == state.bonds && all.bond_history == state.bond_history &&
                         all.warm_bonds == state.warm_bonds;
@@ -200,6 +221,10 @@ TEST_P(Parts, AddUpToWhatOneProcessSeesAndCollectNothing) {
     EXPECT_EQ(std::count(bonds.begin(), bonds.end(), 0u), 0);
     const std::size_t places = s.model.particles() * sizeof(Vec3d);
     for (std::size_t k = 0; k < processes; ++k) {
+      EXPECT_LT(known[k], s.model.particles());
+      EXPECT_LE(has_row[k], known[k]);
+      for (const std::size_t n : held[k]) EXPECT_LE(n, known[k] + 1) << "seed " << seed;  // one is absent
+      EXPECT_LE(near[k], s.model.particles() - (periodic ? 0u : 1u));  // with those across borders
       EXPECT_TRUE(same_bonds[k]) << "seed " << seed;
       EXPECT_LT(gathered[k], places) << "seed " << seed;
       EXPECT_GE(gathered_whole[k], places) << "seed " << seed;

@@ -201,10 +201,13 @@ TEST_P(OwnBonds, AreThoseOfTheWholeBodyByNameAndNoProcessHasMore) {
         EXPECT_TRUE(s.bonds[k] == whole.state.bonds[own.part.names[k]]);
         EXPECT_TRUE(history_of_bond(s, k) == history_of_bond(whole.state, own.part.names[k]));
       }
-      for (const BondEnds& e : own.part.others) {
+      std::size_t others = 0;
+      own.for_others([&](const BondEnds& e) {
         const Bond& b = whole.state.bonds[e.name];
         EXPECT_TRUE(e.i == b.i && e.j == b.j && e.image_j == b.image_j);
-      }
+        ++others;
+      });
+      EXPECT_EQ(others + s.bonds.size(), bonds);
       EXPECT_TRUE(m.whole == begun);
       EXPECT_TRUE(m.shared.laws == shared.laws && m.shared.rules == shared.rules);
       EXPECT_TRUE(s.books == whole.state.books);

@@ -4,8 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
+#include <memory>
+#include <type_traits>
 #include <utility>
 #include <vector>
+
+#include "vbond/core/id_set.hpp"
 
 namespace vbond {
 
@@ -40,31 +44,67 @@ class IdRange {
   std::size_t size_;
 };
 
-/// One value per particle or per bond, reached only with the index of that kind.
+/// Whether columns of this kind may hold the values of some ids alone: of the particles that a part of a body
+/// knows.
+template <class IdType>
+inline constexpr bool may_hold_some = std::is_same_v<IdType, ParticleId>;
+
+/// One value per particle or per bond, reached only with the index of that kind. A column may hold the values
+/// of some ids alone, which keep their numbers: size() and ids() are still those of the whole, and whoever
+/// asks for another value gets std::logic_error. Iterators and values() are of those that it holds.
 template <class IdType, class T>
 class Column {
  public:
+  using Some = std::shared_ptr<const IdSet<IdType>>;  ///< null: all
+
   Column() = default;
   explicit Column(std::size_t size, const T& value = T{}) : values_(size, value) {}
   Column(std::initializer_list<T> values) : values_(values) {}
   explicit Column(std::vector<T> values) : values_(std::move(values)) {}
 
-  T& operator[](IdType id) {
-    assert(id.value < values_.size());
-    return values_[id.value];
-  }
-  const T& operator[](IdType id) const {
-    assert(id.value < values_.size());
-    return values_[id.value];
-  }
+  T& operator[](IdType id) { return values_[place(id)]; }
+  const T& operator[](IdType id) const { return values_[place(id)]; }
 
-  std::size_t size() const { return values_.size(); }
-  bool empty() const { return values_.empty(); }
+  std::size_t size() const { return holds_all() ? values_.size() : some_->whole(); }
+  bool empty() const { return size() == 0; }
   IdRange<IdType> ids() const { return IdRange<IdType>(size()); }
   void reserve(std::size_t size) { values_.reserve(size); }
-  void push_back(const T& value) { values_.push_back(value); }
-  void assign(std::size_t size, const T& value) { values_.assign(size, value); }
-  void resize(std::size_t size, const T& value = T{}) { values_.resize(size, value); }
+  void push_back(const T& value) {
+    assert(holds_all());
+    values_.push_back(value);
+  }
+  /// Where the size stays as it is, for the ids that it holds; else for all.
+  void assign(std::size_t size, const T& value) {
+    if (size != this->size()) some_ = {};
+    values_.assign(holds_all() ? size : values_.size(), value);
+  }
+  void resize(std::size_t size, const T& value = T{}) {
+    assert(holds_all());
+    values_.resize(size, value);
+  }
+
+  bool holds_all() const {
+    if constexpr (may_hold_some<IdType>) return some_ == nullptr;
+    return true;
+  }
+  bool holds(IdType id) const { return holds_all() ? id.value < values_.size() : some_->has(id); }
+  /// Holds these from now on, of as large a whole, or all. Those that it has not held so far are as new.
+  void hold(Some some) requires may_hold_some<IdType> {
+    if (some == some_) return;
+    Column now;
+    now.some_ = std::move(some);
+    const std::size_t whole = size();
+    now.values_.resize(now.some_ ? now.some_->size() : whole);
+    const auto take = [&](IdType id) {
+      if (holds(id)) now[id] = std::move((*this)[id]);
+    };
+    if (now.some_)
+      now.some_->for_each(take);
+    else
+      some_->for_each(take);
+    *this = std::move(now);
+  }
+  const Some& held() const requires may_hold_some<IdType> { return some_; }
 
   auto begin() { return values_.begin(); }
   auto end() { return values_.end(); }
@@ -73,10 +113,26 @@ class Column {
   T* data() { return values_.data(); }
   const T* data() const { return values_.data(); }
   const std::vector<T>& values() const { return values_; }
-  friend bool operator==(const Column&, const Column&) = default;
+  friend bool operator==(const Column& a, const Column& b) {
+    if (a.holds_all() != b.holds_all()) return false;
+    return a.values_ == b.values_ && (a.holds_all() || *a.some_ == *b.some_);
+  }
 
  private:
+  struct All {
+    const IdSet<IdType>* operator->() const { return nullptr; }
+    const IdSet<IdType>& operator*() const { return *operator->(); }
+  };
+
+  std::size_t place(IdType id) const {
+    if constexpr (may_hold_some<IdType>)
+      if (some_ != nullptr) return some_->place(id);
+    assert(id.value < values_.size());
+    return id.value;
+  }
+
   std::vector<T> values_;
+  [[no_unique_address]] std::conditional_t<may_hold_some<IdType>, Some, All> some_;
 };
 
 template <class T>

@@ -27,6 +27,7 @@ Bodies::Bodies(const Model& model, Order rows_of) : order(std::move(rows_of)), t
 void Bodies::read(const State& s) {
   for (const Row k : order.particle.ids()) {
     const ParticleId p = order.particle[k];
+    if (!s.r.holds(p)) continue;  // in the row of all others, at which nobody looks
     pose[k.value].r = s.r[p];
     pose[k.value].q = s.q[p];
     motion[k.value].v = s.v[p];
@@ -51,8 +52,7 @@ void Bodies::write(State& s) const {
 }
 
 Loads Bodies::collect(const std::vector<LoadRow>& from) const {
-  const std::size_t n = order.row.size();
-  Loads l{PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)};
+  Loads l{order.column<Vec3d>(), order.column<Vec3d>()};
   for (Row k{0}; k.value < order.own; ++k.value) {
     l.F[order.particle[k]] = from[k.value].F;
     l.M[order.particle[k]] = from[k.value].M;

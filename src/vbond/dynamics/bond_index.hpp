@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "vbond/dynamics/order.hpp"
@@ -32,7 +33,9 @@ class BondIndex {
   void remove(BondId bond, ParticleId i, ParticleId j);
 
   Range of(ParticleId p) const {
-    return {entries_.data() + start_[p.value], entries_.data() + end_[p.value]};
+    if (ends_ && !ends_->has(p)) return {nullptr, nullptr};
+    const std::size_t k = place(p);
+    return {entries_.data() + start_[k], entries_.data() + end_[k]};
   }
   /// Whether a bond that touches as a capsule was ever made there.
   bool of_fibre(ParticleId p) const { return !of_fibre_.empty() && of_fibre_[p.value] != 0; }
@@ -45,7 +48,10 @@ class BondIndex {
   }
 
  private:
-  std::vector<std::size_t> start_, end_;  // of each particle's entries
+  std::size_t place(ParticleId p) const { return ends_ ? ends_->place(p) : p.value; }
+
+  std::shared_ptr<const IdSet<ParticleId>> ends_;  // who has entries; null: all have a place
+  std::vector<std::size_t> start_, end_;           // of each place's entries
   std::vector<Entry> entries_;
   std::vector<char> of_fibre_;
 };

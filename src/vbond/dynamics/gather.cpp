@@ -1,6 +1,7 @@
 #include "vbond/dynamics/gather.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <optional>
 #include <span>
 #include <type_traits>
@@ -35,6 +36,7 @@ class Bring {
     values.reserve(own_.size());
     for (const IdType id : own_) values.push_back(column[id]);
     const std::vector<T> of_all = exchange_.gather(values);
+    if constexpr (may_hold_some<IdType>) column.hold({});
     for (std::size_t k = 0; k < of_all.size(); ++k) column[(*all_)[k]] = of_all[k];
   }
 
@@ -43,6 +45,21 @@ class Bring {
   const Exchange& exchange_;
   std::optional<std::vector<IdType>> all_;
 };
+
+/// Those that are known to the part that has the particle, or the bond.
+template <class IdType, class Visit>
+void for_each_owned_column(State& state, Visit visit) {
+  for_each_table(state_table, [&]<class Table>(const Table& table) {
+    if constexpr (!is_row_table<Table>) {
+      auto& of = table.in(state);
+      for_each_field(table, [&]<class Of, class Value>(const Field<Of, Value>& f) {
+        if constexpr (is_column<Value>)
+          if constexpr (is_particle_column<Value> == std::is_same_v<IdType, ParticleId>)
+            if (f.traits.known == Known::by_owner) visit(of.*f.value);
+      });
+    }
+  });
+}
 
 }  // namespace
 
@@ -71,27 +88,32 @@ void sum_values(State& state, const Exchange& exchange) {
   }
 }
 
+void keep_particles(State& state, const std::shared_ptr<const IdSet<ParticleId>>& some) {
+  for_each_owned_column<ParticleId>(state, [&some](auto& column) {
+    if (!column.empty()) column.hold(some);
+  });
+}
+
+void gather_particles(State& state, const std::vector<ParticleId>& own, const Exchange& exchange) {
+  Bring<ParticleId> bring(own, exchange);
+  for_each_owned_column<ParticleId>(state, [&bring](auto& column) {
+    if (!column.empty()) bring(column);
+  });
+}
+
 void gather_owned(State& state, const std::vector<ParticleId>& own_particles,
                   const std::vector<BondId>& own_bonds, bool has_all_bonds, const Exchange& exchange) {
-  Bring<ParticleId> bring_particles(own_particles, exchange);
+  gather_particles(state, own_particles, exchange);
   Bring<BondId> bring_bonds(own_bonds, exchange);
+  if (has_all_bonds)
+    for_each_owned_column<BondId>(state, [&bring_bonds](auto& column) {
+      if (!column.empty()) bring_bonds(column);
+    });
   for_each_table(state_table, [&]<class Table>(const Table& table) {
     auto& of = table.in(state);
-    if constexpr (is_row_table<Table>) {
+    if constexpr (is_row_table<Table>)
       if constexpr (requires { place_of(*of.begin()); })
         if (table.traits.known == Known::listed) of = in_order_of_places(exchange.gather(of));
-    } else {
-      for_each_field(table, [&]<class Of, class Value>(const Field<Of, Value>& f) {
-        if (f.traits.known != Known::by_owner) return;
-        if constexpr (is_column<Value>) {
-          if ((of.*f.value).empty()) return;
-          if constexpr (is_particle_column<Value>)
-            bring_particles(of.*f.value);
-          else if (has_all_bonds)
-            bring_bonds(of.*f.value);
-        }
-      });
-    }
   });
 }
 

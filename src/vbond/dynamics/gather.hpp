@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <memory>
 #include <vector>
 
 #include "vbond/dynamics/exchange.hpp"
@@ -19,6 +20,11 @@ std::vector<Row> in_order_of_places(std::vector<Row> rows) {
 
 /// What parts add up becomes the sum, on all of them.
 void sum_values(State& state, const Exchange& exchange);
+
+/// Of all that belongs to particles, the state has that of these alone from now on.
+void keep_particles(State& state, const std::shared_ptr<const IdSet<ParticleId>>& some);
+/// It has that of all again: each part brings what it has of its own.
+void gather_particles(State& state, const std::vector<ParticleId>& own, const Exchange& exchange);
 
 /// What belongs to particles and bonds, and what parts list, comes to all parts. What is this part's own has
 /// been collected from its rows. has_all_bonds: else bonds are left as they are.

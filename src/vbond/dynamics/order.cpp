@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -62,12 +63,13 @@ Order spatial_order(const PerParticle<Vec3d>& r) {
   std::iota(sorted.begin(), sorted.end(), 0u);
   std::stable_sort(sorted.begin(), sorted.end(),
                    [&layers](std::uint32_t i, std::uint32_t j) { return layers[i] < layers[j]; });
-  order.row.resize(r.size());
+  PerParticle<Row> row(r.size());
   order.particle.resize(r.size());
   for (std::size_t k = 0; k < sorted.size(); ++k) {
     order.particle[Row{k}] = ParticleId{sorted[k]};
-    order.row[ParticleId{sorted[k]}] = Row{k};
+    row[ParticleId{sorted[k]}] = Row{k};
   }
+  order.row = RowOf(std::move(row));
   order.own = order.ghosts = order.known = r.size();
   return order;
 }
@@ -81,9 +83,9 @@ Order part_of(const Order& whole, const Holding& holding) {
   for (const ParticleId p : holding.sent) place[p] = sent;
 
   Order part;
-  part.row.resize(whole.row.size());
-  const auto add = [&part](ParticleId p) {
-    part.row[p] = Row{part.particle.size()};
+  PerParticle<Row> row(whole.row.size());
+  const auto add = [&part, &row](ParticleId p) {
+    row[p] = Row{part.particle.size()};
     part.particle.push_back(p);
   };
   std::vector<ParticleId> slab;
@@ -110,25 +112,31 @@ Order part_of(const Order& whole, const Holding& holding) {
   bool any_image = false;
   for (const ImageOf& g : holding.ghosts) {
     const bool own = place[g.particle] == inner || place[g.particle] == sent;
-    ghosts.emplace_back(own ? part.row[g.particle] : Row{part.own + whole.row[g.particle].value}, g);
+    ghosts.emplace_back(own ? row[g.particle] : Row{part.own + whole.row[g.particle].value}, g);
     any_image |= !g.image.is_itself();
   }
   std::sort(ghosts.begin(), ghosts.end(), [](const auto& a, const auto& b) {
     return std::pair(a.first, a.second.image) < std::pair(b.first, b.second.image);
   });
-  for (const auto& [row, g] : ghosts) {
-    if (g.image.is_itself()) part.row[g.particle] = Row{part.particle.size()};
+  for (const auto& [sorted, g] : ghosts) {
+    if (g.image.is_itself()) row[g.particle] = Row{part.particle.size()};
     if (any_image) part.images.push_back(g.image), part.by_image.push_back(Row{part.particle.size()});
     part.particle.push_back(g.particle);
   }
   part.known = part.particle.size();
+  std::vector<ParticleId> own_row;
+  bool any_other = false;
   for (const ParticleId p : whole.particle) {
-    if (place[p] != absent) continue;
-    if (holding.others_in_one_row && part.particle.size() > part.known)
-      part.row[p] = Row{part.known};
-    else
-      add(p);
+    if (place[p] != absent)
+      own_row.push_back(p);
+    else if (!(any_other && holding.others_in_one_row))
+      add(p), any_other = true;
   }
+  if (any_other && holding.others_in_one_row)
+    part.row =
+        RowOf(std::move(row), std::make_shared<IdSet<ParticleId>>(place.size(), own_row), Row{part.known});
+  else
+    part.row = RowOf(std::move(row));
   std::sort(part.by_image.begin(), part.by_image.end(),
             [&part](Row k, Row l) { return part.image_of(k) < part.image_of(l); });
   return part;

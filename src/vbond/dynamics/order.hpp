@@ -1,13 +1,37 @@
 #pragma once
 #include <algorithm>
 #include <cstddef>
+#include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "vbond/dynamics/rows.hpp"
 #include "vbond/model/bond.hpp"
 
 namespace vbond {
+
+/// The row of each particle. All those that stand in none of their own may share one, and take no room then.
+class RowOf {
+ public:
+  RowOf() = default;
+  explicit RowOf(PerParticle<Row> rows) : row_(std::move(rows)) {}
+  /// Of these particles alone; all others are in that one row.
+  RowOf(PerParticle<Row> rows, std::shared_ptr<const IdSet<ParticleId>> some, Row others)
+      : row_(std::move(rows)), others_(others) {
+    row_.hold(std::move(some));
+  }
+
+  Row operator[](ParticleId p) const { return row_.holds_all() || row_.holds(p) ? row_[p] : others_; }
+  std::size_t size() const { return row_.size(); }  ///< of the whole body
+  IdRange<ParticleId> ids() const { return row_.ids(); }
+  /// Those that have a row of their own; null: all.
+  const std::shared_ptr<const IdSet<ParticleId>>& held() const { return row_.held(); }
+
+ private:
+  PerParticle<Row> row_;
+  Row others_;
+};
 
 /// Which particle stands in which row, and back. All particles have a row. Of a body that is stepped in
 /// parts, each by a process of its own, the first rows are those of the part. They are taken 1024 at a time;
@@ -16,7 +40,7 @@ namespace vbond {
 /// behind these; what stands there is not known.
 struct Order {
   PerRow<ParticleId> particle;
-  PerParticle<Row> row;
+  RowOf row;
   std::size_t own = 0;            ///< rows [0, own) are moved here
   std::size_t ghosts = 0;         ///< rows [ghosts, known) are ghosts; those before them, if any, are empty
   std::size_t known = 0;          ///< rows [0, known) have the pose of now
@@ -42,6 +66,14 @@ struct Order {
   bool is_sent(std::size_t block) const { return block < sent_blocks.size() && sent_blocks[block] != 0; }
   bool has(ParticleId p) const { return row[p].value < own; }
   bool knows(ParticleId p) const { return row[p].value < known; }
+  /// A column for the particles that have a row of their own.
+  template <class T>
+  PerParticle<T> column() const {
+    PerParticle<T> values;
+    values.assign(row.size(), T{});
+    values.hold(row.held());
+    return values;
+  }
 };
 
 /// Whether the pair of these known rows is the concern of this part: that of its first particle. Of a

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <iterator>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -197,11 +197,20 @@ PartBonds keep_known_bonds(BondsFromSetUp own, const State& state, const Order& 
                    [&order](const Bond& b) { return order.has(b.i); }))
     throw std::logic_error("a part has other particles than it was set up for");
   shared = shared_by(own);
-  std::vector<BondEnds> known;
-  std::copy_if(own.part.others.begin(), own.part.others.end(), std::back_inserter(known),
-               [&order](const BondEnds& b) { return order.knows(b.i) || order.knows(b.j); });
-  own.part.others = std::move(known);
+  own.for_others([&](const BondEnds& b) {
+    if (order.knows(b.i) || order.knows(b.j)) own.part.others.push_back(b);
+  });
   return std::move(own.part);
+}
+
+std::shared_ptr<const IdSet<ParticleId>> particles_of_part(const State& state, const Stage& stage,
+                                                           const Order& order) {
+  std::vector<ParticleId> some = absent(state);
+  for (Row k{0}; k.value < order.known; ++k.value) some.push_back(order.particle[k]);
+  for (const Bond& b : state.bonds) some.push_back(b.i), some.push_back(b.j);
+  for (const Support& s : stage.supports)
+    if (s.rigid) some.insert(some.end(), s.particles.begin(), s.particles.end());
+  return std::make_shared<IdSet<ParticleId>>(state.r.size(), some);
 }
 
 void take_up_bonds(const State& whole, std::size_t first, const Order& order, State& state, PartBonds& bonds,

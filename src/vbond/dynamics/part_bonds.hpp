@@ -1,11 +1,13 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "vbond/core/communicator.hpp"
 #include "vbond/dynamics/order.hpp"
 #include "vbond/model/body_part.hpp"
+#include "vbond/model/stage.hpp"
 #include "vbond/model/state.hpp"
 
 /// Bonds of a part of a body: its state has those of its own first particles. A state of the whole body is
@@ -47,6 +49,11 @@ PartBonds keep_own_bonds(State& state, const Order& order, bool leads, SharedByB
 PartBonds keep_known_bonds(BondsFromSetUp own, const State& state, const Order& order, SharedByBonds& shared);
 /// What the bonds of the whole body share.
 SharedByBonds shared_by(const BondsFromSetUp& own);
+
+/// The particles that the state of a part has: those that it knows, both ends of its bonds, also where these
+/// have broken, members of grips, and whoever is absent.
+std::shared_ptr<const IdSet<ParticleId>> particles_of_part(const State& state, const Stage& stage,
+                                                           const Order& order);
 
 /// Takes up what the whole body has of bonds from this one on, which are new.
 void take_up_bonds(const State& whole, std::size_t first, const Order& order, State& state, PartBonds& bonds,

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "vbond/core/error.hpp"
+#include "vbond/dynamics/gather.hpp"
 #include "vbond/dynamics/simulation.hpp"
 #include "vbond/model/bond_sums.hpp"
 #include "vbond/model/mistakes.hpp"
@@ -32,13 +33,21 @@ const Model& consistent(const Model& model, const Stage& stage, const State& sta
   return model;
 }
 
-/// Those of others make room before there are rows and packs.
 PartBonds bonds_of_part(const Model& model, const Stage& stage, Share& share, const Exchange* exchange,
                         State& state, SharedByBonds& shared) {
   const Order& order = share.order;
   if (share.bonds) return keep_known_bonds(*std::exchange(share.bonds, {}), state, order, shared);
   if (exchange == nullptr || exchange->ranks() == 1 || knows_all(model, stage, state)) return {};
   return keep_own_bonds(state, order, exchange->leads(), shared);
+}
+
+/// Leaves a state what a part has of bonds and particles; those of others make room before there are rows and
+/// packs.
+PartBonds keep_part(const Model& model, const Stage& stage, Share& share, const Exchange* exchange,
+                    State& state, SharedByBonds& shared) {
+  PartBonds bonds = bonds_of_part(model, stage, share, exchange, state, shared);
+  if (bonds.own_alone) keep_particles(state, particles_of_part(state, stage, share.order));
+  return bonds;
 }
 
 }  // namespace
@@ -66,7 +75,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
       before_hold_(take_hold(model, stage_.supports, state_)),
       booked_(state_.books),
       is_part_(exchange != nullptr),
-      part_bonds_(bonds_of_part(model, stage_, share, exchange, state_, shared_)),
+      part_bonds_(keep_part(model, stage_, share, exchange, state_, shared_)),
       bodies_(model, std::move(share.order)),
       images_(bodies_.order),
       exchange_(is_part_ ? *exchange : images_),
@@ -118,8 +127,12 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
     if (part_bonds_.own_alone) has_changed();  // it was whole
     before_hold_.reset();
   } catch (const Diverged&) {  // of all parts alike
-    *state = part_bonds_.own_alone ? with_all_bonds(std::move(state_), part_bonds_, shared_, exchange_)
-                                   : std::move(state_);
+    if (part_bonds_.own_alone) {
+      gather_particles(state_, own_particles(), exchange_);
+      *state = with_all_bonds(std::move(state_), part_bonds_, shared_, exchange_);
+    } else {
+      *state = std::move(state_);
+    }
     if (before_hold_) std::move(*before_hold_).put_back(*state);
     throw;
   } catch (...) {

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -22,6 +23,30 @@ template <std::size_t N>
 void put(const std::string& text, std::array<char, N>& to) {
   to.fill('\0');
   text.copy(to.data(), N - 1);
+}
+
+/// Of these places those that lie outermost along the edges of a cell: between them are all others.
+std::vector<Vec3d> outermost(const CellEdges& cell, const std::vector<Vec3d>& places) {
+  std::vector<Vec3d> found;
+  for (int axis = 0; axis < 3 && !places.empty(); ++axis) {
+    const auto [low, high] =
+        std::minmax_element(places.begin(), places.end(), [&cell, axis](const Vec3d& a, const Vec3d& b) {
+          return component(in_edges(cell, a), axis) < component(in_edges(cell, b), axis);
+        });
+    found.insert(found.end(), {*low, *high});
+  }
+  return found;
+}
+
+/// The state knows these particles besides.
+void know(PerParticle<Vec3d>& r, const std::vector<PlacedParticle>& more) {
+  if (r.holds_all() ||
+      std::all_of(more.begin(), more.end(), [&r](const PlacedParticle& p) { return r.holds(p.particle); }))
+    return;
+  std::vector<ParticleId> some;
+  r.held()->for_each([&some](ParticleId p) { some.push_back(p); });
+  for (const PlacedParticle& p : more) some.push_back(p.particle);
+  r.hold(std::make_shared<IdSet<ParticleId>>(r.size(), some));
 }
 
 }  // namespace
@@ -159,8 +184,9 @@ void Simulation::note_where_it_begins() {
   for (std::size_t k = 0; k < bodies_.order.own; ++k) r_begin_.push_back(bodies_.pose[k].r);
   cell_begin_ = state_.cell;
   if (state_.cell.empty() || !may_meet()) return;
-  farthest_image_ =
-      farthest_images(state_.cell, model_.cell.periodic, state_.r.values(), reach() + 2.0 * farthest_);
+  std::vector<Vec3d> places = outermost(state_.cell, state_.r.values());
+  if (!state_.r.holds_all()) places = exchange_.gather(places);
+  farthest_image_ = farthest_images(state_.cell, model_.cell.periodic, places, reach() + 2.0 * farthest_);
 }
 
 /// How far images go with edges that go so far.
@@ -213,7 +239,8 @@ void Simulation::show_ends_of_broken() const {
   std::vector<End> ends;
   for (const ParticleId p : exchange_.gather(unknown))
     if (order.has(p)) ends.push_back({p, state_.r[p], state_.q[p]});
-  for (const End& e : exchange_.gather(ends)) state_.r[e.particle] = e.r, state_.q[e.particle] = e.q;
+  for (const End& e : exchange_.gather(ends))
+    if (state_.q.holds(e.particle)) state_.r[e.particle] = e.r, state_.q[e.particle] = e.q;
 }
 
 BodyPart Simulation::part(Show what, double near) const {
@@ -237,12 +264,15 @@ std::vector<ParticleId> Simulation::near_own(double reach) const {
   PerParticle<char> is_near(order.row.size());
   for (Row k{0}; k.value < order.known; ++k.value)
     if (!order.is_empty(k)) is_near[order.particle[k]] = 1;
-  if (!(reach <= this->reach()))
-    for (const PlacedParticle& p :
-         particles_across_borders(model_, state_, own_particles(), reach, exchange_)) {
+  if (!(reach <= this->reach())) {
+    const std::vector<PlacedParticle> across =
+        particles_across_borders(model_, state_, own_particles(), reach, exchange_);
+    know(state_.r, across);
+    for (const PlacedParticle& p : across) {
       state_.r[p.particle] = p.r;
       is_near[p.particle] = 1;
     }
+  }
   std::vector<ParticleId> near;
   for (const ParticleId p : is_near.ids())
     if (is_near[p]) near.push_back(p);

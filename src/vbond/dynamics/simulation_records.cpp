@@ -138,6 +138,9 @@ const Survey& Simulation::survey() const {
 std::optional<FastTurn> Simulation::fast_turn_here() const {
   std::optional<FastTurn> fastest;
   double most2 = sq(longest_turn / stage_.dt);
+  const auto turns_fast = [most2](const MotionRow& m) { return norm2(m.omega) > most2; };
+  const auto first = bodies_.motion.begin();
+  if (std::none_of(first, first + static_cast<std::ptrdiff_t>(bodies_.order.own), turns_fast)) return {};
   const auto look = [&](ParticleId p, bool of_a_group) {
     const std::size_t row = bodies_.order.row[p].value;
     const double rate2 = norm2(bodies_.motion[row].omega);
@@ -183,8 +186,12 @@ State& Simulation::collected() const {
   show_own();
   if (std::exchange(shown_, Shown::all) != Shown::all) {
     show_loads();
-    if (is_part_) gather_owned(state_, own_particles(), own_bonds(), !part_bonds_.own_alone, exchange_);
-    if (part_bonds_.own_alone) whole_.emplace(with_all_bonds(state_, part_bonds_, shared_, exchange_));
+    if (part_bonds_.own_alone) {
+      whole_.emplace(with_all_bonds(state_, part_bonds_, shared_, exchange_));
+      gather_owned(*whole_, own_particles(), {}, false, exchange_);
+    } else if (is_part_) {
+      gather_owned(state_, own_particles(), own_bonds(), true, exchange_);
+    }
   }
   books();
   if (!whole_) return state_;
@@ -201,6 +208,7 @@ void Simulation::show_own() const {
   shown_ = Shown::own;
   books_ahead_ = true;  // those of grips are overwritten
   bodies_.write(state_);
+  if (!state_.spin.empty()) state_.spin.hold(state_.q.held());
   if (bonds_.remembers()) bonds_.collect(state_.bond_history);
   state_.contact_history = contacts_.collect();
   state_.fibre_history = capsules_.collect();
@@ -215,6 +223,8 @@ void Simulation::show_loads() const {
   state_.loads = loads_follow ? Loads{} : loads();
   state_.damping = bodies_.damping.empty() ? Loads{} : bodies_.collect(bodies_.damping);
   state_.local_damping = bodies_.local_damping.empty() ? Loads{} : bodies_.collect(bodies_.local_damping);
+  for (Loads* l : {&state_.loads, &state_.damping, &state_.local_damping})  // of whoever is absent, too
+    if (!l->F.empty()) l->F.hold(state_.q.held()), l->M.hold(state_.q.held());
 }
 
 /// Of parts the sum of what each has booked.

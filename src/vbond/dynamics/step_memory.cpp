@@ -72,12 +72,14 @@ double boxed_per_bond(const State& state) {
 constexpr double row_bytes = sizeof(PoseRow) + sizeof(MotionRow) + sizeof(LoadRow) + sizeof(InverseInertia) +
                              2 * sizeof(double) + sizeof(ParticleId);
 
+/// Its row, and first and last entry of the index.
+constexpr double places_bytes = sizeof(Row) + 2 * sizeof(std::size_t);
+
 }  // namespace
 
 MemoryUse memory_use(const Model& model, const State& state) {
   return {.per_particle = 4 * sizeof(double) + sizeof(Vec3d) +  // model
-                          state_bytes_per_particle + row_bytes + sizeof(Row) + 2 * sizeof(std::size_t) +
-                          of_tops_per_particle(model) +
+                          state_bytes_per_particle + row_bytes + places_bytes + of_tops_per_particle(model) +
                           images_per_particle(model, state) * (row_bytes + sizeof(Row) + 2 * sizeof(Image)),
           .per_bond = sizeof(Bond) + boxed_per_bond(state) + constants_per_bond(state) +
                       2 * sizeof(BondIndex::Entry)};
@@ -88,8 +90,9 @@ double memory_of_each_rank(const Model& model, const State& state, double bonds,
   const auto n = static_cast<double>(model.particles());
   const double elsewhere = 1.0 - 1.0 / ranks;
   const double rows_elsewhere = any_capsules(model.contact, state.bonds) ? 0.0 : row_bytes * elsewhere;
+  const double known_elsewhere = rows_elsewhere + elsewhere * (state_bytes_per_particle + places_bytes);
   if (ranks > 1 && keep == RanksKeep::own_bonds)
-    return n * (use.per_particle - rows_elsewhere) + bonds / ranks * (use.per_bond + sizeof(BondId));
+    return n * (use.per_particle - known_elsewhere) + bonds / ranks * (use.per_bond + sizeof(BondId));
   const double bond_elsewhere = (constants_per_bond(state) + 2 * sizeof(BondIndex::Entry)) * elsewhere;
   return n * (use.per_particle - rows_elsewhere) + bonds * (use.per_bond - bond_elsewhere);
 }

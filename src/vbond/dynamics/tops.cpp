@@ -41,7 +41,7 @@ void Tops::read(const State& state, const Order& order) {
 
 void Tops::write(State& state, const Order& order) const {
   if (!any_in_body_) return;  // all parts have the column
-  state.spin.assign(order.row.size(), {});
+  state.spin = order.column<Vec3d>();
   for (const Top& top : tops_) {
     const ParticleId p = order.particle[Row{top.row}];
     state.spin[p] = top.turns() == Turns::freely

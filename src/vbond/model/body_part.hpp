@@ -42,12 +42,38 @@ struct PartBonds {
 /// The bonds that one of several processes keeps of a body from its set-up on, while it still has all
 /// particles. `all` is nullptr: the state has all bonds.
 struct BondsFromSetUp {
-  PartBonds part;           ///< `others`: the ends of all bonds that it does not keep
+  struct Ends {
+    ParticleId i, j;
+  };
+  struct EndAtImage {
+    std::uint32_t other;  ///< its place in `others`
+    Image image_j;
+  };
+
+  PartBonds part;                  ///< names of those that it keeps; its `others` are empty
+  std::vector<Ends> others;        ///< of all bonds that it does not keep, in order of names
+  std::vector<EndAtImage> images;  ///< of those that join images, in their order
   std::vector<Bond> kinds;  ///< in the whole body the first ones of each law and of all rules, in order
   PerBond<Bond> first;      ///< of the first pair of the body
   const Communicator* all = nullptr;
 
-  std::size_t bonds() const { return part.names.size() + part.others.size(); }  ///< of the whole body
+  std::size_t bonds() const { return part.names.size() + others.size(); }  ///< of the whole body
+  void add_other(const Bond& b) {
+    if (!b.image_j.is_itself()) images.push_back({static_cast<std::uint32_t>(others.size()), b.image_j});
+    others.push_back({b.i, b.j});
+  }
+  /// Calls visit(BondEnds) for each of those that it does not keep.
+  template <class Visit>
+  void for_others(Visit&& visit) const {
+    BondId name{0};  // who keeps it not has the next one that is no own one
+    auto own = part.names.begin();
+    auto image = images.begin();
+    for (std::uint32_t k = 0; k < others.size(); ++k, ++name.value) {
+      for (; own != part.names.end() && *own == name; ++own) ++name.value;
+      const bool at_image = image != images.end() && image->other == k;
+      visit(BondEnds{name, others[k].i, others[k].j, at_image ? (image++)->image_j : Image{}});
+    }
+  }
 };
 
 /// What one process sees of a body that several may share: sums over what is its own, added up, are of the
@@ -62,7 +88,8 @@ class BodyPart {
   BodyPart(const State& whole, const BondsFromSetUp& bonds)
       : state(whole),
         all(bonds.all != nullptr ? *bonds.all : alone()),
-        bonds_(bonds.all != nullptr ? &bonds.part : nullptr) {}
+        bonds_(bonds.all != nullptr ? &bonds.part : nullptr),
+        from_set_up_(bonds.all != nullptr ? &bonds : nullptr) {}
   /// A part: own says of each particle whether it is, near are those that the state shows. Keeps references.
   BodyPart(const State& shown, const PerParticle<char>& own, const PartBonds& bonds,
            std::vector<ParticleId> near_ones, const Communicator& processes)
@@ -90,7 +117,9 @@ class BodyPart {
     for (const Bond& b : state.bonds)
       if (!b.broken) visit(b.i, b.j, b.image_j, is_cracked(b));
     if (bonds_ == nullptr) return;
-    for (const BondEnds& b : bonds_->others) visit(b.i, b.j, b.image_j, b.cracked);
+    const auto show = [&visit](const BondEnds& b) { visit(b.i, b.j, b.image_j, b.cracked); };
+    for (const BondEnds& b : bonds_->others) show(b);
+    if (from_set_up_ != nullptr) from_set_up_->for_others(show);
   }
 
   /// The sum of what all processes have.
@@ -112,6 +141,7 @@ class BodyPart {
  private:
   const PerParticle<char>* own_ = nullptr;
   const PartBonds* bonds_ = nullptr;
+  const BondsFromSetUp* from_set_up_ = nullptr;
 };
 
 /// The whole body, with all bonds where `own` is null.

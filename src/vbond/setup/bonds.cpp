@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <span>
+#include <utility>
 
 #include "vbond/model/bond_sums.hpp"
 #include "vbond/model/capsules.hpp"
@@ -81,6 +84,11 @@ double stored_slip(const Model& model, const State& state) {
   return U;
 }
 
+/// done(k): the pairs of piece k have their bonds. keeper: null: the state has all bonds.
+void make_bonds_of(const Case& c, std::size_t set, const Model& model, State& state,
+                   std::span<const SelectedPairs> pieces, const std::function<void(std::size_t)>& done,
+                   Problems& problems, BondKeeper* keeper);
+
 }  // namespace
 
 double longest_softening_bond(const Softening& s, double c_A, double a, double weakness) {
@@ -107,7 +115,22 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
 }
 
 void make_bonds(const Case& c, std::size_t set, const Model& model, State& state,
-                const SelectedPairs& selected, Problems& problems, BondKeeper* keeper) {
+                const SelectedPairs& selected, Problems& problems) {
+  make_bonds_of(
+      c, set, model, state, {&selected, 1}, [](std::size_t) {}, problems, nullptr);
+}
+
+void make_bonds(const Case& c, std::size_t set, const Model& model, State& state,
+                std::vector<SelectedPairs> pieces, Problems& problems, BondKeeper& keeper) {
+  const auto give_back = [&pieces](std::size_t done) { pieces[done] = {}; };
+  make_bonds_of(c, set, model, state, pieces, give_back, problems, &keeper);
+}
+
+namespace {
+
+void make_bonds_of(const Case& c, std::size_t set, const Model& model, State& state,
+                   std::span<const SelectedPairs> pieces, const std::function<void(std::size_t)>& done,
+                   Problems& problems, BondKeeper* keeper) {
   const BondSpec& spec = c.bonds[set];
   BondRecipe recipe = spec.recipe;
   recipe.set = static_cast<std::uint32_t>(set);
@@ -122,11 +145,13 @@ void make_bonds(const Case& c, std::size_t set, const Model& model, State& state
     add_bond(model, bond, recipe, state);
     if (keeper != nullptr) keeper->look_at_last(state);
   };
-  state.bonds.reserve(state.bonds.size() + (keeper != nullptr ? keeper->expect(selected.pairs, cells.size())
-                                                              : selected.pairs.size() * cells.size()));
-  for (std::size_t k = 0; k < selected.pairs.size(); ++k) {
+  std::size_t to_come = keeper != nullptr ? keeper->expect(pieces, cells.size()) : 0;
+  if (keeper == nullptr)
+    for (const SelectedPairs& piece : pieces) to_come += piece.pairs.size() * cells.size();
+  state.bonds.reserve(state.bonds.size() + to_come);
+  const auto make = [&](const SelectedPairs& selected, std::size_t k) {
     const Pair& pair = selected.pairs[k];
-    if (is_absent(state, pair.i) || is_absent(state, pair.j)) continue;
+    if (is_absent(state, pair.i) || is_absent(state, pair.j)) return;
     const auto [site_i, site_j] = sites_of(selected, k, model, state);
     bool bare = false;
     for (const BondSite& site : {site_i, site_j})
@@ -134,11 +159,11 @@ void make_bonds(const Case& c, std::size_t set, const Model& model, State& state
         no_radius.note(fmt::format("particle {} has radius {}", site.id.value, site.radius));
         bare = true;
       }
-    if (bare) continue;
+    if (bare) return;
     const auto bond = make_bond(cells.front(), site_i, site_j);
     if (!bond) {
       no_length.note(length_left(recipe, site_i, site_j));
-      continue;
+      return;
     }
     if (breaks_by_prestrain(recipe, site_i, site_j))
       broken.note(fmt::format("the bond of particles {} and {}", pair.i.value, pair.j.value));
@@ -163,7 +188,9 @@ void make_bonds(const Case& c, std::size_t set, const Model& model, State& state
     const EnergyBooks booked = state.books;  // a pair gives its repulsion up once; cells are made at rest
     for (std::size_t cell = 1; cell < cells.size(); ++cell) take_up(*make_bond(cells[cell], site_i, site_j));
     state.books = booked;
-  }
+  };
+  for (std::size_t piece = 0; piece < pieces.size(); done(piece++))
+    for (std::size_t k = 0; k < pieces[piece].pairs.size(); ++k) make(pieces[piece], k);
   if (any_capsules(model.contact, state.bonds)) {  // what others touch changes, too
     state.books.dissipated = books.dissipated + (dissipated_by_flow(state) - flowed);
     state.books.lost = books.lost;
@@ -187,6 +214,8 @@ void make_bonds(const Case& c, std::size_t set, const Model& model, State& state
   if (snapping.count > 0) refuse_snap_back(spec, snapping.text(), longest, problems);
   if (broken.count > 0) refuse_broken_by_prestrain(spec, broken.text(), problems);
 }
+
+}  // namespace
 
 bool expect_bonds(const Case& c, std::size_t set, const Model& model, State& state, Problems& problems) {
   const BondSpec& spec = c.bonds[set];

@@ -21,9 +21,13 @@ class BondKeeper;
 void add_bonds(const Case& c, std::size_t set, const Model& model, State& state, Problems& problems,
                SharedCells& shared);
 
-/// The same for pairs that have been selected. keeper: of these bonds the state keeps some.
+/// The same for pairs that have been selected.
 void make_bonds(const Case& c, std::size_t set, const Model& model, State& state,
-                const SelectedPairs& selected, Problems& problems, BondKeeper* keeper = nullptr);
+                const SelectedPairs& selected, Problems& problems);
+/// The same for pairs at centres and surfaces, in pieces that are given back one by one. Of these bonds the
+/// state has those that the keeper keeps.
+void make_bonds(const Case& c, std::size_t set, const Model& model, State& state,
+                std::vector<SelectedPairs> pieces, Problems& problems, BondKeeper& keeper);
 
 /// Looks ahead at a set that makes its bonds when particles have moved on from where they stand in `state`.
 /// Pairs that are listed are bonded as they stand, and what is wrong with them wherever they stand is

@@ -38,6 +38,18 @@ bool differs_in_rules(const Bond& b, const std::vector<Bond>& kinds) {
   return std::none_of(kinds.begin(), kinds.end(), [&b](const Bond& k) { return k.rules == b.rules; });
 }
 
+/// So that there is less and less of them as bonds are made.
+std::vector<SelectedPairs> in_pieces(const SelectedPairs& whole) {
+  constexpr std::size_t at_once = 1 << 17;
+  std::vector<SelectedPairs> pieces;
+  for (std::size_t first = 0; first < whole.pairs.size(); first += at_once) {
+    const auto begin = whole.pairs.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto size = static_cast<std::ptrdiff_t>(std::min(at_once, whole.pairs.size() - first));
+    pieces.push_back({{begin, begin + size}, {}});
+  }
+  return pieces;
+}
+
 }  // namespace
 
 bool may_keep_own_bonds(const Case& c) {
@@ -61,12 +73,12 @@ BondKeeper::BondKeeper(const std::vector<ParticleId>& own, std::size_t particles
   bonds_.all = &all;
 }
 
-std::size_t BondKeeper::expect(const std::vector<Pair>& pairs, std::size_t bonds_of_each) {
-  const auto kept =
-      bonds_of_each * static_cast<std::size_t>(std::count_if(
-                          pairs.begin(), pairs.end(), [this](const Pair& p) { return is_own_[p.i] != 0; }));
+std::size_t BondKeeper::expect(std::span<const SelectedPairs> pieces, std::size_t bonds_of_each) {
+  std::size_t kept = 0, all = 0;
+  for (const SelectedPairs& piece : pieces)
+    for (const Pair& p : piece.pairs) kept += is_own_[p.i] != 0 ? bonds_of_each : 0, all += bonds_of_each;
   bonds_.part.names.reserve(bonds_.part.names.size() + kept);
-  bonds_.part.others.reserve(bonds_.part.others.size() + pairs.size() * bonds_of_each - kept);
+  bonds_.others.reserve(bonds_.others.size() + all - kept);
   return kept + 1;
 }
 
@@ -84,7 +96,7 @@ void BondKeeper::look_at_last(State& state) {
     bonds_.part.names.push_back(name);
     return;
   }
-  bonds_.part.others.push_back({name, b.i, b.j, b.image_j, false});
+  bonds_.add_other(b);
   keep_bonds(state, last.value);
   state.bond_history.resize(std::min<std::size_t>(state.bond_history.size(), last.value));
 }
@@ -105,8 +117,9 @@ BondsFromSetUp make_own_bonds(const Case& c, const Model& model, State& state, c
   BondKeeper keeper(processes.spread(model, state, to_come.of_first, std::sqrt(to_come.longest2)),
                     model.particles(), processes.all);
   for (std::size_t set = 0; set < sets.size(); ++set) {
-    make_bonds(c, set, model, state, sets[set], problems, &keeper);
+    std::vector<SelectedPairs> pieces = in_pieces(sets[set]);
     sets[set] = {};
+    make_bonds(c, set, model, state, std::move(pieces), problems, keeper);
   }
   problems.throw_if_any();
   return std::move(keeper).finish(state);

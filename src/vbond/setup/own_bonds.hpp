@@ -38,9 +38,9 @@ class BondKeeper {
  public:
   BondKeeper(const std::vector<ParticleId>& own, std::size_t particles, const Communicator& all);
 
-  /// Makes room for so many bonds of each of these pairs; returns how many of them a state will have at once:
-  /// those that are kept, and one that is not.
-  std::size_t expect(const std::vector<Pair>& pairs, std::size_t bonds_of_each);
+  /// Makes room for so many bonds of each of these pairs, some in each piece; returns how many of them a
+  /// state will have at once: those that are kept, and one that is not.
+  std::size_t expect(std::span<const SelectedPairs> pieces, std::size_t bonds_of_each);
   /// Gives the last bond of the state, which is the next of the body, its name; takes it away if it is not to
   /// be kept.
   void look_at_last(State& state);

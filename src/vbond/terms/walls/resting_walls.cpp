@@ -21,8 +21,9 @@ RestingWalls::RestingWalls(const Model& model) : model_(model), forms_(touch_for
 std::vector<RestingTouch> RestingWalls::near(const State& state, double farther) const {
   std::vector<RestingTouch> all;
   std::vector<WallTouch> found;
-  for (const ParticleId p : state.r.ids())
-    for (std::uint32_t w = 0; w < surfaces_.size() && !is_absent(state, p); ++w) {
+  for (const ParticleId p : state.r.ids()) {
+    if (!state.r.holds(p) || is_absent(state, p)) continue;  // of a part of a body, or of all of it
+    for (std::uint32_t w = 0; w < surfaces_.size(); ++w) {
       const WallState now = wall_of(state, w);
       if (now.off != 0) continue;
       const Vec3d r = at_start(model_.walls[w], now, state.r[p]);
@@ -46,6 +47,7 @@ std::vector<RestingTouch> RestingWalls::near(const State& state, double farther)
         all.push_back(touch);
       }
     }
+  }
   return all;
 }
 
