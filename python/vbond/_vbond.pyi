@@ -103,6 +103,7 @@ class StaticResult:
     residuals: list[float]
     unstable: int | None
     neutral: bool
+    free_turns: int
     jumped: bool
     left_saddle: bool
     smallest_eigenvalue: float | None
