@@ -126,6 +126,21 @@ TEST(FreeTurns, UnderAMomentAreRefusedByName) {
   }
 }
 
+// A support turns the grain, and a moment along y with it, which comes to act about z.
+TEST(FreeTurns, UnderAMomentThatIsTurnedOntoThemAreRefusedByName) {
+  StaticStage stage = pushed_truss(StageKind::equilibrium);
+  const Specimen s = beside_a_grain(truss(), stage);
+  stage.loads[0].force = {0, 0, -1e-5};
+  stage.loads.push_back(pushed(4, {}, {0, 1e-5, 0}));
+  stage.loads.back().follower = true;
+  stage.supports.back().held = {true, true, false, true, true, false};
+  EXPECT_EQ(testing::refusal(s, stage), "");
+  stage.supports.back().angular_velocity = {1.5, 0, 0};
+  EXPECT_NE(testing::refusal(s, stage).find("can move freely: rotation about z of particle 4"),
+            std::string::npos)
+      << testing::refusal(s, stage);
+}
+
 // They are modes of frequency zero, before which the others would not be found.
 TEST(FreeTurns, AreNotListedAmongModesButTold) {
   const StaticStage alone = pushed_truss(StageKind::modes);

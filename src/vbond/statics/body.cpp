@@ -55,10 +55,15 @@ std::vector<Unknowns::Place> idle_turns(const Model& model, const StaticStage& s
   for (const Support& s : stage.supports)
     if (is_free_grip(s))
       for (const ParticleId p : s.particles) turned[p] = all;
+  PerParticle<char> driven(model.particles(), false);  // moments that follow turn along
+  for (const Support& s : stage.supports)
+    if (norm(s.angular_velocity) > 0.0)
+      for (const ParticleId p : s.particles) driven[p] = true;
   const ParticleAxes axes(stage.supports);
   for (const PointLoad& l : stage.loads)
     for (const ParticleId p : l.particles) {
       const Vec3d M = l.moment_on(model.mass[p]), about = l.follower ? rotate(state.q[p], M) : M;
+      if (l.follower && driven[p] && norm(M) > 0.0) turned[p] = all;
       for (std::size_t k = 0; k < 3; ++k)
         if (std::abs(dot(about, axis_of(axes.get(p), 3 + k))) > rounding * norm(M)) turned[p][k] = true;
     }

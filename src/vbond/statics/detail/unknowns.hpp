@@ -44,13 +44,12 @@ class Unknowns {
     bool any() const { return free != std::array<bool, 6>{}; }
   };
 
-  /// length > 0: turns are multiplied by it.
   struct Place {
     ParticleId particle;
     int dof;
   };
-  /// idle: turns that nothing drives or resists, held or not, by particles, then by dof; of no rigid support
-  /// that is free in part.
+  /// length > 0: turns are multiplied by it. idle: turns that nothing drives or resists, held or not, by
+  /// particles, then by dof; of no rigid support that is free in part.
   Unknowns(std::size_t particles, const std::vector<Support>& supports, double length, const Cell& cell,
            const std::vector<Place>& idle = {});
   Unknowns(std::size_t particles, const std::vector<Support>& supports, double length)
