@@ -170,7 +170,7 @@ struct Vibrating {
   const StaticBody& body;
   const MassRoot& root;
   const SparseMatrix& rigid;              // motions without stiffness of a body that repeats with its cell
-  const std::vector<NaturalMode>& turns;  // of particles that touch nothing
+  const std::vector<NaturalMode>& turns;  // of particles that touch no other
   int count;
 };
 
@@ -187,7 +187,7 @@ NaturalMode mode(const Vibrating& v, double omega2, bool rigid, const Eigen::Vec
           std::move(shape.in_phase),        0,      std::move(shape.out_of_phase)};
 }
 
-/// The turns of particles that touch nothing, as rigid motions. Those of others are no motions of a part.
+/// The turns of particles that touch no other, as rigid motions. Those of others are no motions of a part.
 std::vector<NaturalMode> turns_of_loose(const StaticBody& body) {
   const std::vector<Unknowns::Place>& turns = body.unknowns().free_turns();
   if (turns.empty()) return {};
