@@ -1,5 +1,6 @@
 # awk -f compare_history.awk ONE OTHER: whether two history.csv have the same rows to 1e-10 of their scale: of energies
-# the largest of all, of the components of a vector or tensor the largest of them, of others that of the column.
+# the largest of all, of the components of a vector or tensor the largest of them, of forces and moments at least a
+# thousandth of the largest energy over a spacing, which is 1, of others that of the column.
 # Prints what differs most, in that scale.
 BEGIN { FS = ","; tolerance = 1e-10 }
 function size(x) { return x < 0 ? -x : x }
@@ -27,6 +28,9 @@ END {
     group = scale_of(c)
     if (sub(/ moment$/, "", group) && scale[group] > scale[group " moment"]) scale[group " moment"] = scale[group]
   }
+  for (c = 1; c <= columns; ++c)  # what balances leaves rounding alone
+    if (name[c] ~ /\.[fmFM][xyz]$/ && scale[scale_of(c)] < 1e-3 * scale["energy"])
+      scale[scale_of(c)] = 1e-3 * scale["energy"]
   scale["balance_error"] = 1
   for (r = 2; r <= rows; ++r) {  # it is a part of the largest energy so far: here of the largest of all
     so_far[r] = so_far[r - 1]
@@ -40,6 +44,6 @@ END {
       s = scale[scale_of(c)]
       if (d > 0 && d / (s > 0 ? s : 1e-300) >= worst) { worst = d / (s > 0 ? s : 1e-300); at = name[c] " in row " r }
     }
-  print worst " (" at ")"
+  print worst + 0 " (" at ")"
   exit !(worst <= tolerance)
 }
