@@ -59,7 +59,7 @@ StaticResult block_below_grains(std::size_t grains, StageKind kind) {
   std::vector<Vec3d> r;
   for (int z = 0; z < 5; ++z)
     for (int y = 0; y < 3; ++y)
-      for (int x = 0; x < 2; ++x) r.emplace_back(x, y, z);
+      for (int x = 0; x < 2; ++x) r.push_back({double(x), double(y), double(z)});
   const std::size_t n = r.size();
   for (std::size_t k = 0; k < grains; ++k) r.push_back(r[n - 1 - 3 * k] + Vec3d{0, 0, 0.99});
   testing::Specimen s = testing::particles_at(r);
