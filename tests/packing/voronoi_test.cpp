@@ -132,6 +132,20 @@ TEST(Voronoi, VolumesAddUpAndFacesAreSeenAlikeFromBothSides) {
   }
 }
 
+/// A plane then cuts off hundreds of corners that the many planes of the wall have made.
+TEST(Voronoi, VolumesOfFewInRoundVesselsAddUp) {
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    const double length = 0.5 + 0.25 * seed;
+    const std::size_t count = 2 + seed % 30;
+    for (const Body& b : {random_body(cylinder(1, length), pi * length, count, seed),
+                          random_body(hollow_ball(1), 4.0 / 3.0 * pi, count, seed)}) {
+      const VoronoiCells cells = voronoi_cells(*space_of(b.vessel), b.r, b.R);
+      const double sum = std::accumulate(cells.volume.begin(), cells.volume.end(), 0.0);
+      EXPECT_NEAR(sum / b.volume, 1.0, 1e-12) << seed;
+    }
+  }
+}
+
 TEST(Voronoi, OneParticleFarFromAllOthersChangesNothing) {
   Dice dice(7);
   std::vector<Vec3d> r;

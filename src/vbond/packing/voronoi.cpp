@@ -168,9 +168,6 @@ class CellMaker {
 
   /// The volume; the faces are appended.
   double make(std::size_t i, std::vector<VoronoiFace>& faces) {
-    const double side = reach_ / unit_;
-    cell_.init(-side, side, -side, side, -side, side);
-    names_.clear();
     if (!cut_all(i)) return 0.0;
     add_faces(faces);
     return cell_.volume() * unit_ * unit_ * unit_;
@@ -179,9 +176,6 @@ class CellMaker {
   /// Appends, of each corner of the cell that is between particles, these and its own. False if there is one
   /// at which more than three others meet.
   bool add_corners(std::size_t i, std::vector<Tetrahedron>& corners) {
-    const double side = reach_ / unit_;
-    cell_.init(-side, side, -side, side, -side, side);
-    names_.clear();
     if (!cut_all(i)) return false;
     cell_.neighbors(who_);
     cell_.face_vertices(of_faces_);
@@ -205,10 +199,14 @@ class CellMaker {
   /// How far the corners of the cell are from the particle; voro++ keeps their places times two.  [length]
   double farthest() { return 0.5 * std::sqrt(cell_.max_radius_squared()) * unit_; }
 
-  /// Leaves of the cell what is no farther along a vector than `times` of it; false if nothing is left.
+  /// Leaves of the cell what is no farther along a vector than `times` of it; false if nothing is left, or
+  /// the cell is spoilt.
   bool cut(const Vec3d& d, double times, int name) {
-    return cell_.nplane(d.x / unit_, d.y / unit_, d.z / unit_, 2.0 * times * norm2(d) / (unit_ * unit_),
-                        name);
+    const int room = cell_.current_delete_size;
+    const bool left =
+        cell_.nplane(d.x / unit_, d.y / unit_, d.z / unit_, 2.0 * times * norm2(d) / (unit_ * unit_), name);
+    spoilt_ = cell_.current_delete_size != room;
+    return left && !spoilt_;
   }
 
   /// Cuts by the planes that are from `from` to `to` away from the particle.
@@ -220,10 +218,25 @@ class CellMaker {
     return true;
   }
 
+  /// The cell of a particle; false if nothing is left of it. voro++ 0.4.6 loses its place in the list of
+  /// corners that a plane cuts off when that list must grow, from 256 on, and leaves a cell that does not
+  /// close. The list stays as large, so that the cell is made again.
+  bool cut_all(std::size_t i) {
+    const double side = reach_ / unit_;
+    bool left = false;
+    do {
+      cell_.init(-side, side, -side, side, -side, side);
+      names_.clear();
+      spoilt_ = false;
+      left = cut_by_all(i);
+    } while (spoilt_);
+    return left;
+  }
+
   /// Nearest rings first, until no particle of those that follow can reach the cell. A particle at the
   /// distance d bounds it at (d^2 + R_i^2 - R_j^2)/(2 d), which grows with d. Planes likewise: of a curved
   /// wall there are thousands, and few of them are near.
-  bool cut_all(std::size_t i) {
+  bool cut_by_all(std::size_t i) {
     away_.clear();
     for (const Plane& p : space_.planes) away_.push_back(p.at - dot(bins_.at(i), p.normal));
     const double excess = sq(radius_[i]) - sq(largest_);
@@ -284,6 +297,7 @@ class CellMaker {
   const std::vector<double>& radius_;
   double unit_, reach_, largest_ = 0.0;
   voro::voronoicell_neighbor cell_;
+  bool spoilt_ = false;
   std::vector<VoronoiFace> names_;  // of planes that have cut
   std::vector<Bins::Near> near_;
   std::vector<double> away_;  // of the planes
