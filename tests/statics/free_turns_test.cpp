@@ -126,6 +126,23 @@ TEST(FreeTurns, UnderAMomentAreRefusedByName) {
   }
 }
 
+// Such as those of two loads that are listed apart. Moments that cancel at one load factor alone do not.
+TEST(FreeTurns, UnderMomentsThatCancelAreFree) {
+  StaticStage stage = pushed_truss(StageKind::equilibrium);
+  const Specimen s = beside_a_grain(truss(), stage);
+  stage.loads[0].force = {0, 0, -1e-5};
+  stage.loads.push_back(pushed(4, {}, {0, 1e-5, 3e-5}));
+  stage.loads.push_back(pushed(4, {}, {0, -1e-5, -3e-5}));
+  EXPECT_EQ(testing::refusal(s, stage), "");
+  StaticResult result;
+  told_of(s, stage, &result);
+  EXPECT_EQ(result.free_turns, 3);
+  stage.loads.back().constant = true;
+  EXPECT_NE(testing::refusal(s, stage).find("can move freely: rotation about y of particle 4"),
+            std::string::npos)
+      << testing::refusal(s, stage);
+}
+
 // A support turns the grain, and a moment along y with it, which comes to act about z.
 TEST(FreeTurns, UnderAMomentThatIsTurnedOntoThemAreRefusedByName) {
   StaticStage stage = pushed_truss(StageKind::equilibrium);
@@ -187,6 +204,38 @@ TEST(FreeTurns, LeadYieldingBondsToBalance) {
   const StaticResult r = yielding_chain_below_a_grain();
   EXPECT_EQ(r.ended, "converged");
   EXPECT_LT(r.points, 100);
+}
+
+/// A ball far above a floor, on the side of the upper one of two bonded particles, which it overlaps by 0.02:
+/// the contact pushes it off with twenty times its weight. At the start nothing but the relief keeps it
+/// there.
+Specimen ball_on_the_side_of_another() {
+  const double lean = 0.3, apart = 0.98;
+  Specimen s = testing::particles_at(
+      {{0, 0, 3}, {apart * std::sin(lean), 0, 3 + apart * std::cos(lean)}, {0, 0, 2}}, 0.5);
+  s.model.contact = {.law = ContactLaw::linear, .pairs = ContactPairs::unbonded};
+  s.model.contact.k = 1.0;
+  s.model.walls = {{"floor", PlaneWall{{0, 0, 0}, {0, 0, 1}}, 0, {}}};
+  testing::bond(s, 0, 2, testing::papers_bond());
+  return s;
+}
+
+// What is left of the relief has a part along the floor, which would push the ball on for ever. Let go
+// without it the ball comes to lie on the floor.
+TEST(Relief, IsDroppedWhereNothingBearsTheBodyWithIt) {
+  const Specimen s = ball_on_the_side_of_another();
+  StaticStage stage = static_stage(StageKind::equilibrium,
+                                   {fixed({ParticleId{0}, ParticleId{2}}, testing::clamped),
+                                    fixed({ParticleId{1}}, {false, true, false, false, false, false})});
+  stage.gravity = {0, 0, -1e-3};
+  stage.constant_gravity = true;
+  stage.steps = 5;
+  const Walked w = walk(s, stage);
+  EXPECT_TRUE(w.result.jumped);
+  EXPECT_EQ(w.result.unstable.value_or(1), 0);
+  const double sunk = s.model.mass[ParticleId{1}] * 1e-3 / s.model.contact.k;
+  EXPECT_NEAR(w.last().r[ParticleId{1}].z, 0.5 - sunk, 1e-9);
+  EXPECT_NE(told_of(s, stage).find("was let go without them"), std::string::npos);
 }
 
 /// A grain that a bond of little strength holds on one below it, and that a support moves aside; beside them

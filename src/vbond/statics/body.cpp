@@ -59,14 +59,24 @@ std::vector<Unknowns::Place> idle_turns(const Model& model, const StaticStage& s
   for (const Support& s : stage.supports)
     if (norm(s.angular_velocity) > 0.0)
       for (const ParticleId p : s.particles) driven[p] = true;
-  const ParticleAxes axes(stage.supports);
+  struct Moments {
+    Vec3d constant, growing;
+    double largest = 0;
+  };
+  PerParticle<Moments> outside(model.particles());  // several may cancel
   for (const PointLoad& l : stage.loads)
     for (const ParticleId p : l.particles) {
-      const Vec3d M = l.moment_on(model.mass[p]), about = l.follower ? rotate(state.q[p], M) : M;
+      const Vec3d M = l.moment_on(model.mass[p]);
       if (l.follower && driven[p] && norm(M) > 0.0) turned[p] = all;
-      for (std::size_t k = 0; k < 3; ++k)
-        if (std::abs(dot(about, axis_of(axes.get(p), 3 + k))) > rounding * norm(M)) turned[p][k] = true;
+      (l.constant ? outside[p].constant : outside[p].growing) += l.follower ? rotate(state.q[p], M) : M;
+      outside[p].largest = std::max(outside[p].largest, norm(M));
     }
+  const ParticleAxes axes(stage.supports);
+  for (const ParticleId p : turned.ids())
+    for (std::size_t k = 0; k < 3; ++k)
+      for (const Vec3d& M : {outside[p].constant, outside[p].growing})
+        if (std::abs(dot(M, axis_of(axes.get(p), 3 + k))) > rounding * outside[p].largest)
+          turned[p][k] = true;
   std::vector<Unknowns::Place> idle;
   for (const ParticleId p : turned.ids())
     for (std::size_t k = 0; k < 3; ++k)
@@ -216,14 +226,18 @@ void StaticBody::move(const Vector& x, double new_load_factor) {
 }
 
 void StaticBody::relieve() {
-  relief_.resize(0);
-  relief_turns_ = false;
-  placed();
+  drop_relief();
   if (load_factor_ == 1.0) return;
   relief_ = unbalanced() / (1.0 - load_factor_);
   constexpr double rounding = 1e-9;  // of the largest force: ten times what a balance may leave
   for (int k = 0; k < unknowns_.size(); ++k)
     if (unknowns_.is_turn(k)) relief_turns_ |= std::abs(relief_[k]) > rounding * loads_at_hand().largest;
+  placed();
+}
+
+void StaticBody::drop_relief() {
+  relief_.resize(0);
+  relief_turns_ = false;
   placed();
 }
 

@@ -72,12 +72,16 @@ class LoadSteps {
     if (body_.terms().of<RestWalls>().moves() || body_.flows()) before_ = stand_of(body_);
   }
 
-  /// Along the tangent, at most by step_ of the load factor and not past the next of the load factors that
-  /// the stage asks for, k / steps.
+  /// Of the load factors that the stage asks for, k / steps.
+  double next_mark() const {
+    const double steps = std::max(1, body_.stage().steps);
+    return (std::floor(body_.load_factor() * steps + 1e-9) + 1.0) / steps;
+  }
+
+  /// Along the tangent, at most by step_ of the load factor and not past the next mark.
   Way predict() {
     Way way{body_.placement(), {}, 0, snapped_bonds(body_.state())};
-    const double now = body_.load_factor(), steps = std::max(1, body_.stage().steps);
-    const double mark = (std::floor(now * steps + 1e-9) + 1.0) / steps;
+    const double now = body_.load_factor(), mark = next_mark();
     double step = std::min(step_, mark - now);
     Vector x = Vector::Zero(body_.unknowns().size());
     const bool at_hand = std::exchange(factored_here_, false);
@@ -97,18 +101,56 @@ class LoadSteps {
 
   /// False where there is none near by, or only one with more bonds that have snapped over. If steps have
   /// become so short that there is no other way one is looked for far off as well.
-  bool find_balance(const Way& way) {
+  bool find_balance(Way& way) {
     const bool last_resort = step_ < 1e-4 * longest_;
     outcome_ = settle(last_resort ? Reach::far : Reach::near);
     if (const auto fault = body_.fault_of_terms()) outcome_.converged = false, outcome_.why = *fault;
     interrupted_ = outcome_.interrupted;
     if (interrupted_) return false;
-    if (last_resort && !outcome_.converged) give_up_beyond(way);
+    if (last_resort && !outcome_.converged && !let_go(way)) {
+      if (interrupted_) return false;
+      give_up_beyond(way);
+    }
     return outcome_.converged && (last_resort || snapped_bonds(body_.state()) <= way.snapped);
   }
 
   NewtonOutcome settle(Reach reach) {
     return vbond::settle(body_, solver_, body_.stage().newton, hooks_.interrupted, result_.iterations, reach);
+  }
+
+  /// Where nothing bears the body together with what is left of the relief, it is let go without: under the
+  /// loads alone, from the last balance. The relief is no load. It keeps its direction, and may push on for
+  /// ever what has come off the place where it was in balance. False: there is none left, or the body comes
+  /// to no balance.
+  bool let_go(Way& way) {
+    constexpr int patience = 5;  // what comes off goes far
+    if (!body_.is_relieved()) return false;
+    const NewtonOutcome before = outcome_;
+    body_.restore(way.from);
+    body_.drop_relief();
+    const Vector stays = Vector::Zero(body_.unknowns().size());
+    const double now = body_.load_factor(), mark = next_mark();
+    double step = mark - now;
+    while (larger(body_.largest_bond_change(stays, step), body_.largest_change_of_terms(stays, step)) >
+           largest_prediction)
+      step *= 0.5;
+    body_.move(stays, now + step > mark - 1e-12 ? mark : now + step);
+    NewtonSettings settings = body_.stage().newton;
+    settings.iterations *= patience;
+    outcome_ = vbond::settle(body_, solver_, settings, hooks_.interrupted, result_.iterations, Reach::far);
+    if (const auto fault = body_.fault_of_terms()) outcome_.converged = false, outcome_.why = *fault;
+    interrupted_ = outcome_.interrupted;
+    if (!outcome_.converged) {
+      outcome_ = before;
+      return false;
+    }
+    judge();
+    jumped_ = way.jumped = true;
+    tell(fmt::format(
+        "beyond load factor {:.6g} no balance was found beside the forces that were out of balance at the "
+        "start, which fade: the body was let go without them, and jumped by up to {:.3g}",
+        way.from.load_factor, distance_to_here(way.from)));
+    return true;
   }
 
   void judge() {
@@ -119,7 +161,7 @@ class LoadSteps {
   /// Judges the balance. False if the body has jumped there and a shorter step may tell where from.
   bool came_smoothly(Way& way) {
     judge();
-    if (!may_be_a_jump(way)) return true;
+    if (way.jumped || !may_be_a_jump(way)) return true;
     const bool back = comes_back(way.from);
     if (interrupted_ || (back && is_long(way))) return false;  // the jump may be in one half of the step
     if (!back) tell_jump(way);
@@ -196,7 +238,7 @@ class LoadSteps {
 
   /// Unless the stage wants an unstable balance kept. False: no other is found, but a shorter step may come
   /// to one.
-  bool leave_saddles(const Way& way) {
+  bool leave_saddles(Way& way) {
     constexpr int most_tries = 3;
     const bool may_fail = body_.flows() && is_long(way);
     for (int k = 0; k < most_tries && stability_.unstable.value_or(0) > 0; ++k) {
@@ -208,7 +250,7 @@ class LoadSteps {
   }
 
   /// If it may not fail and does, the unstable balance is the last point.
-  bool leave_saddle(const Way& way, bool may_fail) {
+  bool leave_saddle(Way& way, bool may_fail) {
     const Placement saddle = body_.placement();
     const int unstable = stability_.unstable.value();
     outcome_ = vbond::leave_saddle(body_, solver_, stability_, hooks_.interrupted, result_.iterations);
@@ -216,6 +258,8 @@ class LoadSteps {
     factored_here_ = stability_.definite;
     interrupted_ = outcome_.interrupted;
     if (interrupted_ || (!outcome_.converged && may_fail)) return false;
+    if (!outcome_.converged && let_go(way)) return true;
+    if (interrupted_) return false;
     if (!outcome_.converged) {
       body_.restore(saddle);
       report_point(body_, PointKind::regular, unstable, hooks_, result_);

@@ -98,6 +98,8 @@ class StaticBody {
   void accept();
   /// From now on what is out of balance at this moment fades in proportion to 1 - load factor.
   void relieve();
+  /// From now on there is none: what was out of balance is let go.
+  void drop_relief();
   /// Pairs that the tangent has room for.
   const std::vector<Assembly::Pair>& pattern() const { return pattern_; }
   /// Of a body that flows: what bonds remembered at the accepted balance before this one.
