@@ -226,19 +226,19 @@ void StaticBody::move(const Vector& x, double new_load_factor) {
 }
 
 void StaticBody::relieve() {
-  drop_relief();
+  relieve({});
   if (load_factor_ == 1.0) return;
-  relief_ = unbalanced() / (1.0 - load_factor_);
+  Relief relief{unbalanced() / (1.0 - load_factor_)};
   constexpr double rounding = 1e-9;  // of the largest force: ten times what a balance may leave
-  for (int k = 0; k < unknowns_.size(); ++k)
-    if (unknowns_.is_turn(k)) relief_turns_ |= std::abs(relief_[k]) > rounding * loads_at_hand().largest;
-  placed();
+  for (Eigen::Index k = 0; k < relief.forces.size(); ++k)
+    if (unknowns_.is_turn(k)) relief.turns |= std::abs(relief.forces[k]) > rounding * loads_at_hand().largest;
+  relieve(std::move(relief));
 }
 
-void StaticBody::drop_relief() {
-  relief_.resize(0);
-  relief_turns_ = false;
+StaticBody::Relief StaticBody::relieve(Relief relief) {
+  Relief before = std::exchange(relief_, std::move(relief));
   placed();
+  return before;
 }
 
 Energies StaticBody::energies() const {

@@ -83,7 +83,7 @@ const StaticBody::Loaded& StaticBody::loads_at_hand() const {
   for (const RestTerm* t : terms_.all()) t->add_loads(l);
   l.unbalanced = on_unknowns(l.loads);
   if (has_free_cell()) balance_cell(l);
-  if (relief_.size() > 0) l.unbalanced -= (1.0 - load_factor_) * relief_;
+  if (relief_.forces.size() > 0) l.unbalanced -= (1.0 - load_factor_) * relief_.forces;
   loaded_ = std::move(l);
   return *loaded_;
 }
@@ -247,7 +247,7 @@ void StaticBody::begin_load_direction() const {
   add_applied(1.0, with_factor);
   add_applied(0.0, constant);
   stiffness_.load_direction = on_unknowns(with_factor) - on_unknowns(constant);
-  if (relief_.size() > 0) stiffness_.load_direction += relief_;
+  if (relief_.forces.size() > 0) stiffness_.load_direction += relief_.forces;
   if (has_free_cell()) look_at_mixing();
   if (terms_.all().empty()) return;
   for (const RestTerm* t : terms_.all()) t->add_load_rates(rates);

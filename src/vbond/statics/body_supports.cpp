@@ -51,10 +51,10 @@ Loads StaticBody::moments_at_carriers() const {
   for (const ParticleId p : applied.M.ids())
     if (const ParticleId c = unknowns_.carrier(p); c != p)
       applied.M[c] += std::exchange(applied.M[p], Vec3d{});
-  if (!relief_turns_ || load_factor_ >= 1.0) return applied;
+  if (!relief_.turns || load_factor_ >= 1.0) return applied;
   for (const ParticleId p : applied.M.ids())
     if (unknowns_.carrier(p) == p)
-      applied.M[p] -= (1.0 - load_factor_) * unknowns_.length() * unknowns_.along_own(p, relief_).turn;
+      applied.M[p] -= (1.0 - load_factor_) * unknowns_.length() * unknowns_.along_own(p, relief_.forces).turn;
   return applied;
 }
 
@@ -148,10 +148,10 @@ double StaticBody::work_of_loads(const Placement& from, const Placement& to, dou
 }
 
 double StaticBody::work_of_relief(const Placement& from, const Placement& to, double load_factor) const {
-  if (relief_.size() == 0) return 0.0;
+  if (relief_.forces.size() == 0) return 0.0;
   double work = 0.0;
   for (const ParticleId p : from.r.ids()) {
-    const Movement relief = unknowns_.along_own(p, relief_);
+    const Movement relief = unknowns_.along_own(p, relief_.forces);
     work -= (1.0 - load_factor) *
             (dot(relief.shift, seat(p, to) - seat(p, from)) +
              unknowns_.length() * dot(relief.turn, rotation_vector(to.q[p] * conjugate(from.q[p]))));

@@ -127,7 +127,7 @@ class LoadSteps {
     if (!body_.is_relieved()) return false;
     const NewtonOutcome before = outcome_;
     body_.restore(way.from);
-    body_.drop_relief();
+    StaticBody::Relief relief = body_.relieve({});
     const Vector stays = Vector::Zero(body_.unknowns().size());
     const double now = body_.load_factor(), mark = next_mark();
     double step = mark - now;
@@ -142,6 +142,7 @@ class LoadSteps {
     interrupted_ = outcome_.interrupted;
     if (!outcome_.converged) {
       outcome_ = before;
+      body_.relieve(std::move(relief));
       return false;
     }
     judge();

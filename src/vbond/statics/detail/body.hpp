@@ -98,8 +98,13 @@ class StaticBody {
   void accept();
   /// From now on what is out of balance at this moment fades in proportion to 1 - load factor.
   void relieve();
-  /// From now on there is none: what was out of balance is let go.
-  void drop_relief();
+  /// What was out of balance: forces at load factor 0, and whether they have moments beyond rounding.
+  struct Relief {
+    Vector forces;  ///< empty: none
+    bool turns = false;
+  };
+  /// From now on this is what fades. Returns what did before.
+  Relief relieve(Relief relief);
   /// Pairs that the tangent has room for.
   const std::vector<Assembly::Pair>& pattern() const { return pattern_; }
   /// Of a body that flows: what bonds remembered at the accepted balance before this one.
@@ -115,7 +120,7 @@ class StaticBody {
   /// Of such a body: where it was stopped, at an accepted balance, to the last bit.
   void go_on_from(State now, double load_factor, std::int64_t breaks, PerBond<BondHistory> remembered_before);
   /// Whether some of that is still there.
-  bool is_relieved() const { return relief_.size() > 0 && load_factor_ < 1.0; }
+  bool is_relieved() const { return relief_.forces.size() > 0 && load_factor_ < 1.0; }
 
   /// Where the unknowns of a particle are in a placement: at its centre, or at the pivot of the rigid support
   /// that moves with them.
@@ -326,8 +331,7 @@ class StaticBody {
   Unknowns unknowns_;
   RestTerms terms_;
   std::array<double, 6> cell_found_{};  // components at held_at_
-  Vector relief_;                       // empty: none
-  bool relief_turns_ = false;           // whether it has moments, beyond rounding
+  Relief relief_;
   PerParticle<char> bonded_;
   // of bodies that flow: what bonds remembered at the last accepted balance, and at the one before it
   PerBond<BondHistory> accepted_, accepted_before_;
