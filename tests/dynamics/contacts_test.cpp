@@ -59,7 +59,7 @@ struct Heap {
     return load;
   }
   /// By `contacts`, in pieces of so many rows.
-  std::vector<LoadRow> in_pieces(const Contacts& contacts, std::size_t rows) const {
+  std::vector<LoadRow> in_pieces(Contacts& contacts, std::size_t rows) const {
     std::vector<LoadRow> load(pose.size());
     for (std::size_t k = 0; k < load.size(); k += rows)
       contacts.add_loads({k, std::min(load.size(), k + rows)}, pose.data(), load.data());

@@ -106,7 +106,8 @@ Touching<double> Capsules::touching(const FibreContact& c) const {
     return MovingPoint{place(of), velocity(of), bodies_.motion[row(of.particle)].omega};
   });
   p.m = 1.0 / (masses_.per_mass(c.a) + masses_.per_mass(c.b));
-  return undamped_if_none_is_free(p);
+  undamp_if_none_is_free(p);
+  return p;
 }
 
 const TouchNumbers<double>& Capsules::numbers(const FibreContact& c) const {

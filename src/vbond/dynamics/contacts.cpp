@@ -133,7 +133,7 @@ void Contacts::list_unbonded(const Bodies& bodies, const Team& team) {
   unbonded_.clear();
 }
 
-bool Contacts::add_loads(RowRange rows, const PoseRow* pose, LoadRow* load) const {
+bool Contacts::add_loads(RowRange rows, const PoseRow* pose, LoadRow* load) {
   if (!touches_) return list_ && kernel_.add_contact_loads(rule_, list_->rows(), rows, pose, load);
   touches_->add_loads(rows, load);
   return false;  // told by work_out()

@@ -51,11 +51,13 @@ class Contacts {
   /// order of rows: the bits do not depend on how rows are shared out, nor on when the list was built. `pose`
   /// and `load` are those of all rows.  [force]
   /// Returns whether two of them are nearer than deep_part of the sum of their radii.
-  bool add_loads(RowRange rows, const PoseRow* pose, LoadRow* load) const;
+  bool add_loads(RowRange rows, const PoseRow* pose, LoadRow* load);
   /// Whether pairs do more than repel each other elastically: then work_out() comes before add_loads().
   bool are_touches() const { return touches_.has_value(); }
-  /// What touching pairs of these rows do, from poses and the motion of the half step before; dt = 0: between
-  /// steps, nothing is dissipated. Once all rows are worked out, add_loads() adds it.
+  /// Which blocks work_out() takes first, as TouchPairs says.
+  bool goes_first(std::size_t block) const { return touches_->goes_first(block); }
+  /// What touching pairs of these rows of a block do, from poses and the motion of the half step before; dt =
+  /// 0: between steps, nothing is dissipated. Then add_loads() adds it.
   TouchSums work_out(RowRange rows, const Bodies& bodies, double dt) {
     return touches_->work_out(rows, bodies, dt);
   }

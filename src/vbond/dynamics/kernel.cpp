@@ -123,6 +123,7 @@ void add_rows(RowRange rows, const LoadRow* from, LoadRow* to) {
 
 ContactLoop add_contact_loads;  // contact_kernel.cpp
 TouchLoop touch_pairs;          // touch_kernel.cpp
+AddTouches add_touches;
 
 namespace {
 
@@ -136,8 +137,15 @@ struct LoopsOf<LawList<Laws...>> {
 }  // namespace
 
 extern const StepKernel kernel;
-const StepKernel kernel{VBOND_KERNEL_NAME, LoopsOf<BondLaws>::loops, kick,        drift,
-                        slow_down,         add_contact_loads,        touch_pairs, twice_power,
+const StepKernel kernel{VBOND_KERNEL_NAME,
+                        LoopsOf<BondLaws>::loops,
+                        kick,
+                        drift,
+                        slow_down,
+                        add_contact_loads,
+                        touch_pairs,
+                        add_touches,
+                        twice_power,
                         add_rows};
 
 }  // namespace vbond::VBOND_KERNEL

@@ -49,6 +49,7 @@ struct StepKernel {
   double (*slow_down)(RowRange, const Decay*, MotionRow*);
   ContactLoop* add_contact_loads;
   TouchLoop* touch_pairs;
+  AddTouches* add_touches;
   /// The sum of F . (v + v') + M . (omega + omega') with the rates before and after.
   double (*twice_power)(RowRange, const LoadRow*, const MotionRow* before, const MotionRow* after);
   /// to += from.

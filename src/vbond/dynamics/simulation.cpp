@@ -223,9 +223,20 @@ void Simulation::add_mutual_loads(const Part& part, const Block& b, Instant at, 
     lost_[b.index][Loss::other_laws] += sweep.by_other_laws;
   }
   if (!only_elastic_ && anything_touches()) {
-    if (contacts_.any()) books_[b.index].deep |= contacts_.add_loads(particles_of(b), sweep.pose, sweep.load);
+    if (contacts_.any()) add_contact_loads(b, at == Instant::end ? stage_.dt : 0.0);
     lap.add_to(times_.contacts);
   }
+}
+
+void Simulation::add_contact_loads(const Block& b, double dt) {
+  const RowRange rows = particles_of(b);
+  if (contacts_.are_touches()) {
+    TouchSums& touched = touched_[b.index];
+    if (!contacts_.goes_first(b.index)) touched = contacts_.work_out(rows, bodies_, dt);
+    lose(b.index, touched.lost);
+    books_[b.index].deep = touched.deep;
+  }
+  books_[b.index].deep |= contacts_.add_loads(rows, bodies_.pose.data(), bodies_.load.data());
 }
 
 /// Once that is done for a block and all before it.
@@ -250,15 +261,14 @@ void Simulation::complete_loads(const Block& b, Instant at, StepTimes::Lap& lap)
   if (!only_elastic_ && damping_.is_local()) damping_.oppose_motion(b.rows, flow());
 }
 
-/// What touching pairs do, before any of it is added: all particles have moved, and none has felt it yet.
+/// What touching pairs do that other parts ask for, before any of it is added: all particles have moved, and
+/// none has felt it yet.
 void Simulation::work_out_touches(double dt) {
   if (capsules_.any())  // all parts work out all of them
     if (const TouchLosses<double> lost = capsules_.work_out(team_, dt); leads()) lose(0, lost);
   if (!contacts_.are_touches()) return;
   all_known().for_blocks([&](const Block& b) {
-    const TouchSums found = contacts_.work_out(particles_of(b), bodies_, dt);
-    lose(b.index, found.lost);
-    books_[b.index].deep = found.deep;
+    if (contacts_.goes_first(b.index)) touched_[b.index] = contacts_.work_out(particles_of(b), bodies_, dt);
   });
 }
 

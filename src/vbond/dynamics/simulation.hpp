@@ -194,6 +194,7 @@ class Simulation final : public BodyView, private MotionHost {
   BondSweep bond_sweep(Instant at);
   void add_mutual_loads(const Part& part, const Block& block, Instant at, const RowsAhead& ahead,
                         StepTimes::Lap& lap);
+  void add_contact_loads(const Block& block, double dt);
   void complete_block(const Block& block, Instant at, StepTimes::Lap& lap);
   void complete_loads(const Block& block, Instant at, StepTimes::Lap& lap);
   bool inelastic() const { return !bodies_.rates.empty(); }
@@ -322,6 +323,7 @@ class Simulation final : public BodyView, private MotionHost {
   std::vector<BlockBooks> books_;
   std::vector<DampedPower> damped_;            // of the bonds of each block, if any damp
   std::vector<Losses> lost_;                   // of what books_ count as dissipated, by cause
+  std::vector<TouchSums> touched_;             // of contacts, of each block
   std::vector<std::vector<BondId>> breaking_;  // of each part, in the step under way
   std::vector<BondEvent> events_;
   std::vector<LostParticle> lost_particles_;   // in the step under way, where the stage drops them

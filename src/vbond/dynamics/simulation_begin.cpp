@@ -101,6 +101,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
   times_.threads = static_cast<int>(team_.parts().size());
   books_.resize(all_known().blocks());
   lost_.resize(all_known().blocks());
+  touched_.resize(all_known().blocks());
   try {
     const bool begun = (is_part_ && !share.begins) || state_.clock.stage_step != 0;
     if (!leads()) {  // parts add up

@@ -13,7 +13,7 @@ namespace {
 /// Pairs that are worked out together.
 struct Together {
   std::uint32_t i[lanes], j[lanes];
-  std::size_t pair[lanes];
+  std::size_t pair[lanes], slot[lanes];
   std::size_t count = 0;
 };
 
@@ -108,7 +108,8 @@ struct LossesOfPairs {
 
 VBOND_HD void work_out(const TouchRule& rule, const TouchTable& table, Together& t, const PoseRow* pose,
                        const MotionRow* motion, double dt, LossesOfPairs& lost) {
-  for (std::size_t l = t.count; l < lanes; ++l) t.i[l] = t.i[0], t.j[l] = t.j[0], t.pair[l] = t.pair[0];
+  for (std::size_t l = t.count; l < lanes; ++l)
+    t.i[l] = t.i[0], t.j[l] = t.j[0], t.pair[l] = t.pair[0], t.slot[l] = t.slot[0];
   Halves r_ij, v_i, v_j, w_i, w_j;
   load_between(pose, t.i, t.j, r_ij);
   load_halves(motion, t.i, Half::first, v_i);
@@ -121,9 +122,10 @@ VBOND_HD void work_out(const TouchRule& rule, const TouchTable& table, Together&
   load_quads(rule.row, t.i, Half::first, row_i);
   load_quads(rule.row, t.j, Half::first, row_j);
 
-  Touching<Real> p = undamped_if_none_is_free(round_bodies<Real>(vector(r_ij), {row_i[0], row_i[1], row_i[2]},
-                                                                 {row_j[0], row_j[1], row_j[2]}, vector(v_j),
-                                                                 vector(w_i), vector(w_j)));
+  Touching<Real> p =
+      round_bodies<Real>(vector(r_ij), {row_i[0], row_i[1], row_i[2]}, {row_j[0], row_j[1], row_j[2]},
+                         vector(v_j), vector(w_i), vector(w_j));
+  undamp_if_none_is_free(p);
   if (table.kept != nullptr) {
     double of[lanes];
     for (std::size_t l = 0; l < lanes; ++l) of[l] = table.kept[t.pair[l]];
@@ -142,16 +144,16 @@ VBOND_HD void work_out(const TouchRule& rule, const TouchTable& table, Together&
   const TouchLoads<Real> loads = touch(rule.forms, numbers_of_pairs(rule, t), p, Real(dt), before);
   const Vec3<Real> T = cross(p.n, loads.F);
   Halves of_F = {loads.F.x, loads.F.y, loads.F.z, p.l_i}, of_T = {T.x, T.y, T.z, p.l_j};
-  store_quads(of_F, table.load, t.pair, Half::first);
-  store_quads(of_T, table.load, t.pair, Half::second);
-  for (std::size_t l = 0; l < t.count; ++l) table.touching[t.pair[l]] = 1;
+  store_quads(of_F, table.load, t.slot, Half::first);
+  store_quads(of_T, table.load, t.slot, Half::second);
+  for (std::size_t l = 0; l < t.count; ++l) table.touching[t.slot[l]] = 1;
   const TouchHistory<Real>& h = loads.history;
   Halves now_slip = {h.F_t.x, h.F_t.y, h.F_t.z, h.a}, now_damping = {h.F_d.x, h.F_d.y, h.F_d.z, h.k_r};
   store_quads(now_slip, table.slip, t.pair, Half::first);
   store_quads(now_damping, table.slip, t.pair, Half::second);
   if (rolls) {
     Halves of_M = {loads.M.x, loads.M.y, loads.M.z, zero}, now_rolling = {h.M_r.x, h.M_r.y, h.M_r.z, h.M_t};
-    store_quads(of_M, table.moment, t.pair, Half::first);
+    store_quads(of_M, table.moment, t.slot, Half::first);
     store_quads(now_rolling, table.rolling, t.pair, Half::first);
   }
   if (dt > 0.0) {
@@ -184,7 +186,37 @@ bool still_touch(const TouchRule& rule, const TouchTable& table, std::size_t i, 
   return false;
 }
 
+/// A row of loads gets sign F, lever T, and sign times the moment of a pair.
+VBOND_HD void add_pair(const TouchTable& table, std::size_t slot, double sign, double lever,
+                       Real (&row)[8 / lanes]) {
+  constexpr double used[8] = {1, 1, 1, 0, 1, 1, 1, 0};  // not the levers, which stand beside F and T
+  const double* const load = numbers(table.load + slot);
+  for (std::size_t at = 0; at < 8; at += lanes)
+    row[at / lanes] =
+        row[at / lanes] + halves_of(sign, lever, at) * Real::load(used + at) * Real::load(load + at);
+  if (table.moment == nullptr) return;
+  double moment[8] = {};
+  std::memcpy(moment + 4, table.moment + slot, sizeof(MomentRow));
+  for (std::size_t at = 0; at < 8; at += lanes)
+    row[at / lanes] = row[at / lanes] + Real(sign) * Real::load(moment + at);
+}
+
 }  // namespace
+
+AddTouches add_touches;
+void add_touches(const TouchTable& table, const TouchesAsSecond& second, RowRange rows, LoadRow* load) {
+  for (std::size_t i = rows.first; i < rows.last; ++i) {
+    Real row[8 / lanes];
+    for (std::size_t at = 0; at < 8; at += lanes) row[at / lanes] = Real::load(numbers(load + i) + at);
+    for (std::size_t e = second.start[i]; e < second.start[i + 1]; ++e)
+      if (const std::size_t s = second.slot[e]; table.touching[s] != 0)
+        add_pair(table, s, -1.0, table.load[s].l_j, row);
+    const std::size_t to_slot = table.first_slot - table.first_pair;
+    for (std::size_t s = table.start[i] + to_slot; s < table.start[i + 1] + to_slot; ++s)
+      if (table.touching[s] != 0) add_pair(table, s, 1.0, table.load[s].l_i, row);
+    for (std::size_t at = 0; at < 8; at += lanes) row[at / lanes].store(numbers(load + i) + at);
+  }
+}
 
 TouchLoop touch_pairs;
 TouchSums touch_pairs(const TouchRule& rule, const TouchTable& table, RowRange rows, const PoseRow* pose,
@@ -201,7 +233,8 @@ TouchSums touch_pairs(const TouchRule& rule, const TouchTable& table, RowRange r
       const Vec3d r_ij = between(r_i, pose[j].r);
       const double distance2 = r_ij.x * r_ij.x + r_ij.y * r_ij.y + r_ij.z * r_ij.z,
                    reach = R_i + rule.row[j].R;
-      table.touching[k] = 0;
+      const std::size_t slot = k - table.first_pair + table.first_slot;
+      table.touching[slot] = 0;
       double felt = reach;
       if (table.kept != nullptr && table.kept[k] > 0.0)
         felt -= table.kept[k] = still_kept(table.kept[k], reach - std::sqrt(distance2));
@@ -211,6 +244,7 @@ TouchSums touch_pairs(const TouchRule& rule, const TouchTable& table, RowRange r
       together.i[together.count] = static_cast<std::uint32_t>(i);
       together.j[together.count] = j;
       together.pair[together.count] = k;
+      together.slot[together.count] = slot;
       if (++together.count < lanes) continue;
       work_out(rule, table, together, pose, motion, dt, lost);
       together.count = 0;

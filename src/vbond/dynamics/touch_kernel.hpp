@@ -50,16 +50,26 @@ struct TouchRule {
   const TouchRow* row;
 };
 
-/// Near pairs, each once: those of row i, as its first, are pairs start[i], ... up to start[i + 1].
+/// Near pairs, each once: those of row i, as its first, are pairs start[i], ... up to start[i + 1]. What is
+/// needed only until both rows have added the loads of pair k is in slot k - first_pair + first_slot.
 struct TouchTable {
   const std::size_t* start;
   const Row* second;
   SlipRow* slip;
   MomentRow* rolling;  ///< as remembered; unused without a form of rolling
+  double* kept;        ///< overlap that is not felt  [length]; nullptr: none
+  std::size_t first_pair, first_slot;
+  // of each slot
   PairLoadRow* load;
-  MomentRow* moment;       ///< M_r + M_t n, and 0; likewise
+  MomentRow* moment;       ///< M_r + M_t n, and 0; nullptr without a form of rolling
   std::uint8_t* touching;  ///< whether the loads are of now
-  double* kept;            ///< overlap that is not felt  [length]; nullptr: none
+};
+
+/// Slots of the pairs that rows are second of, in order of the first: those of row i are [start[i], start[i +
+/// 1]).
+struct TouchesAsSecond {
+  const std::size_t* start;
+  const std::size_t* slot;
 };
 
 /// What a loop over pairs has found.
@@ -72,6 +82,9 @@ struct TouchSums {
 /// in the half step before. dt = 0: between steps, nothing is remembered of it.
 using TouchLoop = TouchSums(const TouchRule&, const TouchTable&, RowRange, const PoseRow*, const MotionRow*,
                             double dt);
+
+/// Adds to these rows the loads of their pairs, in increasing order of the other row.
+using AddTouches = void(const TouchTable&, const TouchesAsSecond&, RowRange, LoadRow*);
 
 /// The touching of two rows as a law sees it.
 Touching<double> touching_of(const TouchRow& i, const TouchRow& j, const Vec3d& r_ij, const MotionRow& of_i,

@@ -1,18 +1,21 @@
 #include "vbond/dynamics/touch_pairs.hpp"
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 #include <utility>
 
+#include "vbond/dynamics/slots.hpp"
 #include "vbond/physics/touch_mass.hpp"
 
 namespace vbond {
 
 Touching<double> touching_of(const TouchRow& i, const TouchRow& j, const Vec3d& r_ij, const MotionRow& of_i,
                              const MotionRow& of_j) {
-  return undamped_if_none_is_free(round_bodies<double>(r_ij, {i.R, i.per_m, i.per_Theta},
-                                                       {j.R, j.per_m, j.per_Theta}, of_j.v - of_i.v,
-                                                       of_i.omega, of_j.omega));
+  Touching<double> p = round_bodies<double>(r_ij, {i.R, i.per_m, i.per_Theta}, {j.R, j.per_m, j.per_Theta},
+                                            of_j.v - of_i.v, of_i.omega, of_j.omega);
+  undamp_if_none_is_free(p);
+  return p;
 }
 
 TouchHistory<double> touch_history(const SlipRow& slip, const MomentRow& rolling) {
@@ -70,9 +73,17 @@ TouchRule TouchPairs::rule() const {
   return {forms_, numbers_.data(), materials_, material_.empty() ? nullptr : material_.data(), row_.data()};
 }
 
-TouchTable TouchPairs::table() {
-  return {start_.data(), second_.data(), slip_.data(),     rolling_.data(),
-          load_.data(),  moment_.data(), touching_.data(), keeps_overlap_ ? kept_.data() : nullptr};
+TouchTable TouchPairs::table(const OfBlock& block) {
+  return {.start = start_.data(),
+          .second = second_.data(),
+          .slip = slip_.data(),
+          .rolling = rolling_.data(),
+          .kept = keeps_overlap_ ? kept_.data() : nullptr,
+          .first_pair = block.first_pair,
+          .first_slot = block.first_slot,
+          .load = load_.data(),
+          .moment = rolls() ? moment_.data() : nullptr,
+          .touching = touching_.data()};
 }
 
 const TouchNumbers<double>& TouchPairs::numbers(Row i, Row j) const {
@@ -122,9 +133,7 @@ void TouchPairs::list(const NeighbourList& near, const Team& team) {
   std::inclusive_scan(as_second_start_.begin(), as_second_start_.end(), as_second_start_.begin());
   second_.resize(start_[n]);
   slip_.resize(start_[n]);
-  load_.resize(start_[n]);
-  if (rolls()) rolling_.resize(start_[n]), moment_.resize(start_[n]);
-  touching_.assign(start_[n], 0);
+  if (rolls()) rolling_.resize(start_[n]);
   if (keeps_overlap_) kept_.resize(start_[n]);
   as_second_.resize(start_[n]);
   for_rows([&](std::size_t i) {
@@ -138,41 +147,67 @@ void TouchPairs::list(const NeighbourList& near, const Team& team) {
       second_[k++] = j;
     }
   });
+  give_slots(team);
   for_rows([&](std::size_t i) {
     std::size_t e = as_second_start_[i];
     for (const Row j : near.of(Row{i})) {
       if (j.value > i) break;
-      as_second_[e++] = place(j, Row{i});
+      as_second_[e++] = of_block_with(j.value).slot(place(j, Row{i}));
     }
   });
 }
 
-TouchSums TouchPairs::work_out(RowRange rows, const Bodies& b, double dt) {
-  return kernel_.touch_pairs(rule(), table(), rows, b.pose.data(), b.motion.data(), dt);
+/// Slots of all parts, one part after the other.
+void TouchPairs::give_slots(const Team& team) {
+  of_block_.assign(team.blocks(), {});
+  std::vector<std::size_t> slots(team.parts().size());
+  team.for_parts([&](const Part& part) { slots[part.index] = give_slots(part); });
+  std::size_t all = 0;
+  for (const Part& part : team.parts()) {
+    for (std::size_t b = part.first_block; b < part.last_block; ++b) of_block_[b].first_slot += all;
+    all += slots[part.index];
+  }
+  load_.resize(all);
+  if (rolls()) moment_.resize(all);
+  touching_.assign(all, 0);
 }
 
-void TouchPairs::add_loads(RowRange rows, LoadRow* load) const {
-  const bool moments = rolls();
-  for (std::size_t i = rows.first; i < rows.last; ++i) {
-    Vec3d F = load[i].F, M = load[i].M;
-    for (std::size_t e = as_second_start_[i]; e < as_second_start_[i + 1]; ++e) {
-      const std::size_t k = as_second_[e];
-      if (touching_[k] == 0) continue;
-      const PairLoadRow& l = load_[k];
-      F -= l.F;
-      M += l.l_j * l.T;
-      if (moments) M -= moment_[k].M_r;
-    }
-    for (std::size_t k = start_[i]; k < start_[i + 1]; ++k) {
-      if (touching_[k] == 0) continue;
-      const PairLoadRow& l = load_[k];
-      F += l.F;
-      M += l.l_i * l.T;
-      if (moments) M += moment_[k].M_r;
-    }
-    load[i].F = F;
-    load[i].M = M;
+/// Slots from 0; returns how many. Blocks that go first keep theirs through the step. All others take turns:
+/// those of a block are given to the next ones once its loads have been added everywhere.
+std::size_t TouchPairs::give_slots(const Part& part) {
+  Slots slots;
+  std::vector<std::size_t> last_row(part.last_block - part.first_block);  // that its pairs reach
+  for (std::size_t b = part.first_block; b < part.last_block; ++b) {
+    OfBlock& block = of_block_[b];
+    block.first_pair = start_[std::min(b * block_rows, row_.size())];
+    block.pairs = start_[std::min((b + 1) * block_rows, row_.size())] - block.first_pair;
+    std::size_t& last = last_row[b - part.first_block] = b * block_rows;
+    for (std::size_t k = 0; k < block.pairs; ++k)
+      last = std::max<std::size_t>(last, second_[block.first_pair + k].value);
+    block.goes_first = last >= part.rows.last;
+    if (block.goes_first) block.first_slot = slots.take(block.pairs);
   }
+  std::multimap<std::size_t, const OfBlock*> ends;  // by the block that adds its loads last
+  for (std::size_t b = part.first_block; b < part.last_block; ++b) {
+    OfBlock& block = of_block_[b];
+    if (!block.goes_first) {
+      block.first_slot = slots.take(block.pairs);
+      ends.emplace(last_row[b - part.first_block] / block_rows, &block);
+    }
+    for (; !ends.empty() && ends.begin()->first <= b; ends.erase(ends.begin()))
+      slots.give_back(ends.begin()->second->first_slot, ends.begin()->second->pairs);
+  }
+  return slots.size();
+}
+
+TouchSums TouchPairs::work_out(RowRange rows, const Bodies& b, double dt) {
+  return kernel_.touch_pairs(rule(), table(of_block_with(rows.first)), rows, b.pose.data(), b.motion.data(),
+                             dt);
+}
+
+void TouchPairs::add_loads(RowRange rows, LoadRow* load) {
+  kernel_.add_touches(table(of_block_with(rows.first)), {as_second_start_.data(), as_second_.data()}, rows,
+                      load);
 }
 
 TouchHistory<double> TouchPairs::history(std::size_t pair) const {

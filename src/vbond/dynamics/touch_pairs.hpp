@@ -14,7 +14,8 @@ namespace vbond {
 
 /// Near particles, what those that touch do to each other by physics/touch.hpp, and what they remember. Each
 /// pair is worked out once, in the block of its lower row; then both rows add its loads, in increasing order
-/// of the other row: the bits do not depend on how rows are shared out.
+/// of the other row: the bits do not depend on how rows are shared out. Loads have slots only until both rows
+/// have added them, so that they stay in the cache.
 class TouchPairs {
  public:
   /// Keeps references to order and kernel.
@@ -30,10 +31,13 @@ class TouchPairs {
   double reach() const { return reach_; }
   /// Takes over what is near what. Pairs that stay keep what they remember.
   void list(const NeighbourList& near, const Team& team);
-  /// The loads of the pairs of these rows, as TouchLoop.
+  /// Whether pairs of this block reach into another part: all parts work out such blocks before any adds
+  /// loads, and then each its others in increasing order, one just before it adds that block's loads.
+  bool goes_first(std::size_t block) const { return of_block_[block].goes_first; }
+  /// The loads of the pairs of these rows of one block, as TouchLoop.
   TouchSums work_out(RowRange rows, const Bodies& bodies, double dt);
-  /// Adds them to these rows, once all pairs are worked out.
-  void add_loads(RowRange rows, LoadRow* load) const;
+  /// Adds to these rows of one block the loads of their pairs.
+  void add_loads(RowRange rows, LoadRow* load);
 
   /// What contacts store as the particles stand: all, or these two.  [energy]
   double energy(const Bodies& bodies) const;
@@ -46,8 +50,17 @@ class TouchPairs {
   void restore(const std::vector<PairMemory>& memories);
 
  private:
+  /// Pairs of a block, and where their loads are.
+  struct OfBlock {
+    std::size_t first_pair = 0, pairs = 0, first_slot = 0;
+    bool goes_first = false;
+    std::size_t slot(std::size_t pair) const { return pair - first_pair + first_slot; }
+  };
+  void give_slots(const Team& team);
+  std::size_t give_slots(const Part& part);
+  const OfBlock& of_block_with(std::size_t row) const { return of_block_[row / block_rows]; }
   TouchRule rule() const;
-  TouchTable table();
+  TouchTable table(const OfBlock& block);
   const TouchNumbers<double>& numbers(Row i, Row j) const;
   Touching<double> touching(Row i, Row j, const Bodies& bodies) const;
   /// The place of a pair in the table, i the lower row; or none: pairs().
@@ -70,12 +83,13 @@ class TouchPairs {
   std::vector<Row> second_;
   std::vector<SlipRow> slip_;
   std::vector<MomentRow> rolling_;  // as moment_ empty without a form of rolling
-  std::vector<PairLoadRow> load_;
+  std::vector<double> kept_;        // overlap that is not felt; empty: contacts feel all
+  std::vector<OfBlock> of_block_;
+  std::vector<PairLoadRow> load_;  // of each slot, as moment_ and touching_
   std::vector<MomentRow> moment_;
   std::vector<std::uint8_t> touching_;
-  std::vector<double> kept_;                  // overlap that is not felt; empty: contacts feel all
   std::vector<std::size_t> as_second_start_;  // of each row, in the pairs that it is second of
-  std::vector<std::size_t> as_second_;        // those, in order of their first rows
+  std::vector<std::size_t> as_second_;        // slots of those, in order of their first rows
   // Before the last listing, kept for their memory.
   std::vector<std::size_t> old_start_;
   std::vector<Row> old_second_;

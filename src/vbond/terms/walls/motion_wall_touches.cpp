@@ -57,7 +57,8 @@ Touching<double> MotionWalls::touching(const Near& near, const WallTouch& touch)
   p.v = velocity_at(near.wall, bodies_.pose[k].r + touch.distance * p.n) - motion.v;
   p.w_i = motion.omega;
   p.w_j = wall.angular_velocity;
-  return undamped_if_none_is_free(p);
+  undamp_if_none_is_free(p);
+  return p;
 }
 
 TouchLosses<double> MotionWalls::add_touches(OfBlock& block, Near& near, LoadRow& load, double dt) {
