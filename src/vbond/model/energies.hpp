@@ -6,16 +6,22 @@
 
 namespace vbond {
 
-/// Energies of bonds and of contacts between particles as these stand, pair by pair; kinetic ones are left at
-/// zero. for_pairs(visit) visits the pairs that touch, as for_touching_pairs().  [energy]
+/// Energy of contacts between particles as these stand, pair by pair. for_pairs(visit) visits the pairs that
+/// touch, as for_touching_pairs().  [energy]
+template <class ForPairs>
+double contact_energy(const Model& model, const State& state, ForPairs&& for_pairs) {
+  double sum = 0.0;
+  for_pairs([&](ParticleId i, ParticleId j, const Image&, double overlap) {
+    const double R = reduced_radius(model.radius[i], model.radius[j]);
+    sum += normal_energy(touch_forms(model.contact), touch_numbers(model, i, j), R, overlap);
+  });
+  return sum + fibre_energy(model, state);
+}
+/// The same with energies of bonds; kinetic ones are left at zero.  [energy]
 template <class ForPairs>
 Energies mutual_energies(const Model& model, const State& state, ForPairs&& for_pairs) {
   Energies e = bond_energies(state);
-  for_pairs([&](ParticleId i, ParticleId j, const Image&, double overlap) {
-    const double R = reduced_radius(model.radius[i], model.radius[j]);
-    e.contact += normal_energy(touch_forms(model.contact), touch_numbers(model, i, j), R, overlap);
-  });
-  e.contact += fibre_energy(model, state);
+  e.contact = contact_energy(model, state, for_pairs);
   return e;
 }
 inline Energies mutual_energies(const Model& model, const State& state) {

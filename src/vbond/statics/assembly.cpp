@@ -130,6 +130,29 @@ void Assembly::add(ParticleId p, ParticleId q, const Block& K) {
   add_block(j, i, i < j ? o.j_in_i : o.i_in_j, K.bottomLeftCorner<6, 6>());
 }
 
+Assembly::Place Assembly::place_of(ParticleId p, ParticleId q) const {
+  const ParticleId i = unknowns_.carrier(p), j = unknowns_.carrier(q);
+  if (i == j) return {};
+  const int first_i = first_of_six(unknowns_, i), first_j = first_of_six(unknowns_, j);
+  if (first_i == Unknowns::held || first_j == Unknowns::held) return {};
+  return {first_i, first_j, own_offset_[i], own_offset_[j], offset(i, j), offset(j, i)};
+}
+
+void Assembly::add_symmetric(const Place& at, const double (&K)[12][12]) {
+  double* const values = matrix_.valuePtr();
+  const int* const columns = matrix_.outerIndexPtr();
+  const auto add_six = [](const double* from, double* to) {
+    for (int a = 0; a < 6; ++a) to[a] += from[a];
+  };
+  for (int b = 0; b < 6; ++b) {
+    double *of_i = values + columns[at.first_i + b], *of_j = values + columns[at.first_j + b];
+    add_six(K[b], of_i + at.own_i);
+    add_six(K[b] + 6, of_i + at.j_in_i);
+    add_six(K[6 + b], of_j + at.i_in_j);
+    add_six(K[6 + b] + 6, of_j + at.own_j);
+  }
+}
+
 void Assembly::add_cell(ParticleId p, ParticleId q, const CellColumns& columns, const CellRows& rows) {
   const ParticleId i = unknowns_.carrier(p), j = unknowns_.carrier(q), cell = unknowns_.cell_node();
   add_block(i, cell, offset(i, cell), columns.topRows<6>());

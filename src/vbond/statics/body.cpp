@@ -10,6 +10,7 @@
 
 #include "vbond/model/energies.hpp"
 #include "vbond/model/state_table.hpp"
+#include "vbond/statics/detail/in_lanes.hpp"
 #include "vbond/statics/detail/pulse.hpp"
 #include "vbond/terms/heat/detail/rest_heat.hpp"
 
@@ -144,6 +145,7 @@ StaticBody::StaticBody(const Model& model, const StaticStage& stage, State state
 }
 
 void StaticBody::accept() {
+  energies_.reset();
   for (RestTerm* t : terms_.all()) t->accept();
   if (!flows()) return;
   of_tangent_ = {};
@@ -159,6 +161,7 @@ void StaticBody::placed() {
   Pulse::place(load_factor_);
   ++placement_number_;
   loaded_.reset();
+  energies_.reset();
   for (RestTerm* t : terms_.all()) t->follow();
   if (!grips_.empty()) look_at_grips(), set_held_rates();
   stiffness_.current = false;
@@ -241,10 +244,22 @@ StaticBody::Relief StaticBody::relieve(Relief relief) {
   return before;
 }
 
-Energies StaticBody::energies() const {
-  Energies e = mutual_energies(model_, state_, [this](const auto& visit) { for_touching(visit); });
+const Energies& StaticBody::energies() const {
+  if (energies_) return *energies_;
+  Energies e;
+  const auto add = [&e](double U_L, double U_B, double U_T) { e.U_L += U_L, e.U_B += U_B, e.U_T += U_T; };
+  for_bonds_in_lanes(
+      state_, [](BondId) { return true; },
+      [](const BondLaneLoops& loops, BondLanes& lanes) { loops.energy(lanes); },
+      [&](BondId, const BondLanes& b, std::size_t lane) { add(b.U[0][lane], b.U[1][lane], b.U[2][lane]); },
+      [&](BondId k) {
+        const BondEnergy<double> U = bond_energy(state_, k);
+        add(U.U_L, U.U_B, U.U_T);
+      });
+  e.contact = contact_energy(model_, state_, [this](const auto& visit) { for_touching(visit); });
   for (const RestTerm* t : terms_.all()) e.contact += t->energy();
-  return e;
+  energies_ = e;
+  return *energies_;
 }
 
 void StaticBody::break_bond(BondId k, BreakMode mode) {
@@ -310,22 +325,26 @@ double StaticBody::imposed_strain() const {
 }
 
 double StaticBody::largest_bond_change(const Vector& x, double load_factor_change) const {
-  const auto moves = [&](ParticleId p) { return movement(p, x, load_factor_change); };
+  PerParticle<Movement> moves(model_.particles());
+  for (const ParticleId p : moves.ids()) moves[p] = movement(p, x, load_factor_change);
   double largest = 0.0;
   const Tensor cell = moves_cell() ? cell_change(x, load_factor_change) : Tensor{};
   for (const Vec3d& row : cell.row) largest = larger(largest, norm(row));
   for (const Bond& b : state_.bonds) {
     if (b.broken) continue;
-    const Movement of_i = moves(b.i), of_j = moves(b.j);
+    const Movement &of_i = moves[b.i], &of_j = moves[b.j];
     Vec3d apart = of_j.shift - of_i.shift;
     if (moves_cell() && !b.image_j.is_itself()) apart += times(cell, image_at_start(b.image_j));
-    const double stretch = norm(apart) / span(b, state_);
     const double turn = norm(of_j.turn - of_i.turn) / unknowns_.length();
-    largest = larger(larger(largest, stretch), turn);
+    largest = larger(largest, turn);
+    const double stretch = norm(apart), by_centres = norm(between(state_, b));
+    // its span is no less than the distance of the centres: most need no more to be known
+    if (stretch <= largest * by_centres) continue;
+    largest = larger(largest, stretch / span(b, state_));
   }
   for (const ParticleId p : bonded_.ids()) {
     if (bonded_[p]) continue;
-    const Movement m = moves(p);
+    const Movement& m = moves[p];
     largest = larger(larger(largest, norm(m.shift) / unknowns_.length()), norm(m.turn) / unknowns_.length());
   }
   return largest;

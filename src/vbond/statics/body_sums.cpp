@@ -9,6 +9,7 @@
 
 #include "vbond/model/touching.hpp"
 #include "vbond/statics/detail/body.hpp"
+#include "vbond/statics/detail/in_lanes.hpp"
 
 namespace vbond {
 namespace {
@@ -70,13 +71,21 @@ const StaticBody::Loaded& StaticBody::loads_at_hand() const {
   };
   add_applied(load_factor_, l.loads);
   l.largest = max_norm(on_unknowns(l.loads));
-  for (const BondId k : state_.bonds.ids()) {
-    const Bond& b = state_.bonds[k];
-    const BondLoads<double> f = bond_loads(state_, k);
+  const auto add = [&](const Bond& b, const BondLoads<double>& f) {
     push(b.i, b.j, b.image_j, f.F);
     l.loads.M[b.i] += f.M_ij, l.loads.M[b.j] += f.M_ji;
     l.largest = larger(l.largest, larger(norm(f.M_ij), norm(f.M_ji)) / unknowns_.length());
-  }
+  };
+  for_bonds_in_lanes(
+      state_, [](BondId) { return true; },
+      [](const BondLaneLoops& loops, BondLanes& lanes) { loops.loads(lanes); },
+      [&](BondId k, const BondLanes& lanes, std::size_t lane) {
+        const auto vec = [lane](const BondLanes::Lane(&x)[3]) {
+          return Vec3d{x[0][lane], x[1][lane], x[2][lane]};
+        };
+        add(state_.bonds[k], {vec(lanes.F), vec(lanes.M_ij), vec(lanes.M_ji)});
+      },
+      [&](BondId k) { add(state_.bonds[k], bond_loads(state_, k)); });
   for_touching([&](ParticleId i, ParticleId j, const Image& of_j, double) {
     push(i, j, of_j, touch(model_, state_, i, j, of_j).loads.F);
   });
@@ -100,13 +109,22 @@ const StaticBody::Stiffness& StaticBody::stiffness_at_hand() const {
   if (stiffness_.current) return stiffness_;
   clear_stiffness();
   begin_load_direction();
-  for (const BondId k : state_.bonds.ids()) {
-    const Bond& b = state_.bonds[k];
-    if (b.broken) continue;
-    const PairTangent<9> t = b.law->tangent(b, bond_pose(b, state_), history_before(k));
-    add_pair(b.i, b.j, b.image_j, block_of(t, unknowns_.length()));
-    if (is_cracked(b)) stiffness_.friction = larger(stiffness_.friction, skew_of_friction(b, t));
-  }
+  find_places();
+  for_bonds_in_lanes(
+      state_, [this](BondId k) { return place_in_tangent_[k].first_i >= 0; },
+      [this](const BondLaneLoops& loops, BondLanes& lanes) { loops.tangent(lanes, unknowns_.length()); },
+      [this](BondId k, const BondLanes& lanes, std::size_t lane) {
+        double K[12][12];
+        for (int c = 0; c < 12; ++c)
+          for (int r = 0; r < 12; ++r) K[c][r] = lanes.block[c][r][lane];
+        stiffness_.assembly.add_symmetric(place_in_tangent_[k], K);
+      },
+      [this](BondId k) {
+        const Bond& b = state_.bonds[k];
+        const PairTangent<9> t = b.law->tangent(b, bond_pose(b, state_), history_before(k));
+        add_pair(b.i, b.j, b.image_j, block_of(t, unknowns_.length()));
+        if (is_cracked(b)) stiffness_.friction = larger(stiffness_.friction, skew_of_friction(b, t));
+      });
   for_touching([&](ParticleId i, ParticleId j, const Image& of_j, double) {
     add_pair(i, j, of_j, block_of(touch(model_, state_, i, j, of_j)));
   });
@@ -173,6 +191,31 @@ void StaticBody::lay_out_for(std::vector<Assembly::Pair> pairs) const {
   pattern_ = std::move(pairs);
   stiffness_.assembly.lay_out(pattern_);
   if (flows()) stiffness_.full.lay_out(pattern_);
+}
+
+/// Whether a particle that bonds act on moves along and about the world's axes, by itself, and does not move
+/// with the load factor: add_pair() then has no more to do than to add the block.
+bool StaticBody::is_plain(ParticleId p) const {
+  const Movement& held = held_rate_[p];
+  return unknowns_.axes(p) == nullptr && unknowns_.carrier(p) == p && unknowns_.arm(p) == nullptr &&
+         held.shift == Vec3d{} && held.turn == Vec3d{};
+}
+
+/// Where the blocks of bonds go that need no more than that.
+void StaticBody::find_places() const {
+  if (flows()) {
+    place_in_tangent_.assign(state_.bonds.size(), {});
+    places_of_ = 0;
+    return;
+  }
+  if (places_of_ == stiffness_.assembly.version() && place_in_tangent_.size() == state_.bonds.size()) return;
+  places_of_ = stiffness_.assembly.version();
+  place_in_tangent_.assign(state_.bonds.size(), {});
+  for (const BondId k : state_.bonds.ids()) {
+    const Bond& b = state_.bonds[k];
+    if (!b.broken && b.image_j.is_itself() && is_plain(b.i) && is_plain(b.j))
+      place_in_tangent_[k] = stiffness_.assembly.place_of(b.i, b.j);
+  }
 }
 
 /// All zero, with room for what touches now.

@@ -6,6 +6,7 @@
 
 #include "vbond/core/memory.hpp"
 #include "vbond/statics/detail/dense.hpp"
+#include "vbond/statics/detail/single_kernel.hpp"
 
 namespace vbond {
 namespace {
@@ -16,9 +17,8 @@ double needless_iterations(const GradientsMade& made) {
   return std::max(0.0, iterations - std::log(made.left) / std::log(0.01));
 }
 
-/// An upper bound of the largest eigenvalue of D^-1/2 M D^-1/2 (Gershgorin).
-double largest_scaled_row(const SparseMatrix& M) {
-  const Vector root = M.diagonal().cwiseSqrt();
+/// An upper bound of the largest eigenvalue of D^-1/2 M D^-1/2 (Gershgorin), by the root of D.
+double largest_scaled_row(const SparseMatrix& M, const Vector& root) {
   double largest = 0.0;
   for (int j = 0; j < M.outerSize(); ++j) {
     double sum = 0.0;
@@ -46,10 +46,10 @@ DenseMatrix product(const SparseMatrix& A, const DenseMatrix& P) {
 }
 
 /// Unknowns whose own stiffness in A is much more or less than in M, and those with which they share that, in
-/// their order.
-std::vector<int> changed_unknowns(const SparseMatrix& A, const SparseMatrix& M) {
+/// their order. m: the diagonal of M.
+std::vector<int> changed_unknowns(const SparseMatrix& A, const SparseMatrix& M, const Vector& m) {
   constexpr double much = 0.01;  // one of ten contacts of a grain has a thirtieth along some axis
-  const Vector a = A.diagonal(), m = M.diagonal();
+  const Vector a = A.diagonal();
   std::vector<char> changed(static_cast<std::size_t>(m.size()), 0);
   std::vector<int> unknowns;
   for (int j = 0; j < A.outerSize(); ++j) {
@@ -78,6 +78,7 @@ void KeptFactor::begin(const SparseMatrix& A) {
   at_hand_ = true;
   random_as_made_ = random_;
   M_ = A;
+  diagonal_ = M_.diagonal();
   changes_.clear();
   constexpr double largest_share = 0.5;  // of the memory, for the factor without the copy of half its size
   const bool has_room = factor_.bytes() <= largest_share * memory_limit();
@@ -99,7 +100,7 @@ bool KeptFactor::single_is_near() {
 /// That M is of the rounded factor adds to it.
 double KeptFactor::kappa() {
   if (kappa_ > 0.0) return kappa_;
-  kappa_ = largest_scaled_row(M_);
+  kappa_ = largest_scaled_row(M_, diagonal_.cwiseSqrt());
   if (in_single_) kappa_ += SingleFactor::difference() * static_cast<double>(M_.rows());
   return kappa_;
 }
@@ -134,7 +135,7 @@ void KeptFactor::follow(const std::vector<int>& unknowns, DenseMatrix change) {
 void KeptFactor::follow(const SparseMatrix& A) {
   constexpr double least_part = 0.03;  // a contact has one part, and movement of all around it adds to it
   constexpr std::size_t most = 120;    // unknowns: where more change iteration does, or a new factor
-  const std::vector<int> unknowns = changed_unknowns(A, M_);
+  const std::vector<int> unknowns = changed_unknowns(A, M_, diagonal_);
   if (unknowns.empty() || unknowns.size() > most) return;
   const auto at = [&unknowns](Eigen::Index k) { return unknowns[static_cast<std::size_t>(k)]; };
   const auto size = static_cast<Eigen::Index>(unknowns.size());
@@ -171,6 +172,7 @@ void KeptFactor::follow(const std::vector<int>& unknowns, DenseMatrix change, do
   for (Eigen::Index j = 0; j < size; ++j)
     for (Eigen::Index i = 0; i < size; ++i)
       if (followed(i, j) != 0.0) M_.coeffRef(at(i), at(j)) += followed(i, j);
+  for (Eigen::Index k = 0; k < size; ++k) diagonal_[at(k)] += followed(k, k);
   kappa_ = 0.0;
   price_ += static_cast<double>(c.Z.size()) * sizeof(double) / ((in_single_ ? 1.0 : 2.0) * factor_.bytes());
   in_cycle_ += price_of(c.Z.cols());
@@ -209,7 +211,12 @@ DenseMatrix KeptFactor::solve_kept(const DenseMatrix& B) const {
   DenseMatrix X = in_single_ ? single_.solve(B) : factor_.solve_columns(B);
   for (const Change& c : changes_) {
     const DenseMatrix part = c.inner * (c.Q.transpose() * X(c.unknowns, Eigen::all));
-    X.noalias() -= c.Z * part;
+    for (Eigen::Index first = 0; first < X.cols(); first += most_sides) {
+      const Eigen::Index sides = std::min<Eigen::Index>(most_sides, X.cols() - first);
+      const DenseMatrix by_rows = part.middleCols(first, sides).transpose();
+      single_kernel().subtract_product[sides - 1](c.Z.data(), X.rows(), static_cast<int>(part.rows()),
+                                                  by_rows.data(), &X(0, first), X.rows());
+    }
   }
   return X;
 }
@@ -255,7 +262,7 @@ Vector KeptFactor::random_side() {
     const double unit = static_cast<double>(random_() >> 11) * 0x1p-53;
     r[k] = half_width * (2.0 * unit - 1.0);
   }
-  return r.cwiseProduct(M_.diagonal().cwiseSqrt());
+  return r.cwiseProduct(diagonal_.cwiseSqrt());
 }
 
 /// Of M^-1 A, by the tridiagonal matrix of Lanczos that conjugate gradients contain.
@@ -285,7 +292,7 @@ std::optional<Vector> KeptFactor::solve_if_definite(const SparseMatrix& A, const
   std::vector<Enough> enough(sides, Enough{delta / std::sqrt(kappa()), 0.0});
   if (others > 0) B.col(sides) = b, enough.push_back({0.0, accuracy});
   std::vector<GradientsMade> made;
-  const std::optional<DenseMatrix> X = gradients(A, B, DenseMatrix::Zero(B.rows(), B.cols()), enough, &made);
+  const std::optional<DenseMatrix> X = gradients(A, B, DenseMatrix(), enough, &made);
   double needed = 1.0;
   for (const GradientsMade& m : made)
     if (!m.alpha.empty())

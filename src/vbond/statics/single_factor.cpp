@@ -105,13 +105,25 @@ void SingleFactor::solve_some(int sides, double* x, double* local) const {
       for (int i = 0; i < number; ++i) to[rows[i]] = from[i];
     }
   };
+  const auto is_zero = [&](int first, int width) {
+    for (int s = 0; s < sides; ++s)
+      for (const double *at = x + static_cast<std::ptrdiff_t>(s) * n + first, *end = at + width; at != end;
+           ++at)
+        if (*at != 0.0) return false;
+    return true;
+  };
   const auto step = [&](const Strip& s, int height, const auto& steps) {
     const float* corner = L_.data() + s.at;
     steps[s.width - 1][sides - 1]({corner, corner + corner_size, height - s.column - s.width},
                                   local + s.column, stride_);
   };
   for (std::size_t k = 0; k < strips_.size();) {
-    const int b = strips_[k].block, height = blocks_.block(b).height;
+    const int b = strips_[k].block;
+    const auto [first, width, height] = blocks_.block(b);
+    if (is_zero(first, width)) {  // of a side with few numbers that are not: nothing comes of these
+      while (k < strips_.size() && strips_[k].block == b) ++k;
+      continue;
+    }
     fetch(b, height);
     for (; k < strips_.size() && strips_[k].block == b; ++k) step(strips_[k], height, kernel.forward);
     put(b, height);

@@ -78,16 +78,41 @@ void backward(const StripOfFactor& L, double* x, std::ptrdiff_t stride) {
   }
 }
 
+template <int sides>
+void subtract_product(const double* Z, std::ptrdiff_t rows, int rank, const double* part, double* X,
+                      std::ptrdiff_t stride) {
+  std::ptrdiff_t i = 0;
+  for (; i + lanes <= rows; i += lanes) {
+    Doubles sum[sides] = {};
+    for (int k = 0; k < rank; ++k) {
+      const Doubles z = loaded(Z + k * rows + i);
+      for (int s = 0; s < sides; ++s) sum[s] += z * part[k * sides + s];
+    }
+    for (int s = 0; s < sides; ++s) {
+      const Doubles x = loaded(X + s * stride + i) - sum[s];
+      std::memcpy(X + s * stride + i, &x, sizeof x);
+    }
+  }
+  for (; i < rows; ++i)
+    for (int s = 0; s < sides; ++s) {
+      double sum = 0.0;
+      for (int k = 0; k < rank; ++k) sum += Z[k * rows + i] * part[k * sides + s];
+      X[s * stride + i] -= sum;
+    }
+}
+
 }  // namespace
 
 extern const SingleKernel kernel;
-const SingleKernel kernel{{{forward<1, 1>, forward<1, 2>, forward<1, 3>, forward<1, 4>},
-                           {forward<2, 1>, forward<2, 2>, forward<2, 3>, forward<2, 4>},
-                           {forward<3, 1>, forward<3, 2>, forward<3, 3>, forward<3, 4>},
-                           {forward<4, 1>, forward<4, 2>, forward<4, 3>, forward<4, 4>}},
-                          {{backward<1, 1>, backward<1, 2>, backward<1, 3>, backward<1, 4>},
-                           {backward<2, 1>, backward<2, 2>, backward<2, 3>, backward<2, 4>},
-                           {backward<3, 1>, backward<3, 2>, backward<3, 3>, backward<3, 4>},
-                           {backward<4, 1>, backward<4, 2>, backward<4, 3>, backward<4, 4>}}};
+const SingleKernel kernel{
+    {{forward<1, 1>, forward<1, 2>, forward<1, 3>, forward<1, 4>},
+     {forward<2, 1>, forward<2, 2>, forward<2, 3>, forward<2, 4>},
+     {forward<3, 1>, forward<3, 2>, forward<3, 3>, forward<3, 4>},
+     {forward<4, 1>, forward<4, 2>, forward<4, 3>, forward<4, 4>}},
+    {{backward<1, 1>, backward<1, 2>, backward<1, 3>, backward<1, 4>},
+     {backward<2, 1>, backward<2, 2>, backward<2, 3>, backward<2, 4>},
+     {backward<3, 1>, backward<3, 2>, backward<3, 3>, backward<3, 4>},
+     {backward<4, 1>, backward<4, 2>, backward<4, 3>, backward<4, 4>}},
+    {subtract_product<1>, subtract_product<2>, subtract_product<3>, subtract_product<4>}};
 
 }  // namespace vbond::VBOND_SINGLE

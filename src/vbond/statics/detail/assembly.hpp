@@ -62,6 +62,15 @@ class Assembly {
   }
   const SparseMatrix& matrix() const { return matrix_; }
 
+  /// Where the block of a pair goes, both of which have all six degrees of freedom and are not carried by
+  /// one: to be kept while the layout stays. Adds a symmetric block there, as add() does.
+  struct Place {
+    int first_i = -1, first_j = -1;  ///< unknowns; -1: of a pair that add() is for
+    int own_i, own_j, i_in_j, j_in_i;
+  };
+  Place place_of(ParticleId i, ParticleId j) const;
+  void add_symmetric(const Place& at, const double (&K)[12][12]);
+
  private:
   struct Offsets {
     int j_in_i, i_in_j;  // of the first row of j in the columns of i, and the other way round

@@ -176,7 +176,7 @@ class StaticBody {
   std::string first_not_finite() const;
 
   /// Energy of bonds and contacts.
-  Energies energies() const;
+  const Energies& energies() const;
   /// What bonds have dissipated by flowing since they were made.  [energy]
   double dissipated() const;
   /// Potential of bonds and contacts for the way from the last accepted balance: what is stored, and what is
@@ -281,6 +281,8 @@ class StaticBody {
   void lay_out_for(std::vector<Assembly::Pair> pairs) const;
   void clear_stiffness() const;
   void begin_load_direction() const;
+  bool is_plain(ParticleId p) const;
+  void find_places() const;
   void add_pair(ParticleId i, ParticleId j, const Image& of_j, const Assembly::Block& d) const;
   void add_arms() const;
   void add_followers() const;
@@ -345,6 +347,9 @@ class StaticBody {
   mutable TouchingList touching_;
   mutable std::optional<Loaded> loaded_;
   mutable Stiffness stiffness_;
+  mutable PerBond<Assembly::Place> place_in_tangent_;  // of those that go in lanes, in this layout:
+  mutable int places_of_ = 0;
+  mutable std::optional<Energies> energies_;  // where it stands
   mutable std::array<Tensor, 6> cell_row_{};  // what the rows of the cell sum up: look_at_mixing()
 };
 

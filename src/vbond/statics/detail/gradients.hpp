@@ -51,8 +51,9 @@ std::optional<Vector> conjugate_gradients(Times&& times, Inverse&& inverse, Vect
 }
 
 /// X with A X = B, each column as above but all of them together: inverse(R) is cheaper for several at a
-/// time. From this X on. When each is enough: its norm, or this part of the root of b^T X, or of what the
-/// norm is from X = 0. A column that has ended leaves the others. made: for each column.
+/// time. From this X on, or from 0 if it has no columns. When each is enough: its norm, or this part of the
+/// root of b^T X, or of what the norm is from X = 0. A column that has ended leaves the others. made: for
+/// each column.
 template <class Times, class Inverse>
 std::optional<DenseMatrix> conjugate_gradients_of_columns(Times&& times, Inverse&& inverse,
                                                           const DenseMatrix& B, DenseMatrix X,
@@ -61,7 +62,11 @@ std::optional<DenseMatrix> conjugate_gradients_of_columns(Times&& times, Inverse
   const auto products = [](const DenseMatrix& a, const DenseMatrix& b) -> Vector {
     return a.cwiseProduct(b).colwise().sum();
   };
-  DenseMatrix R = B - times(X);
+  DenseMatrix R = B;
+  if (X.cols() == 0)
+    X = DenseMatrix::Zero(B.rows(), B.cols());
+  else
+    R -= times(X);
   DenseMatrix P = inverse(R);
   Vector size = products(R, P);
   const Vector start = size, given = size.cwiseMax(products(B, X));

@@ -80,6 +80,7 @@ class KeptFactor {
     double least_part;  // of the largest of its parts: what is less is left out
   };
   void follow(const std::vector<int>& unknowns, DenseMatrix change, double least_part);
+  /// From this X on; without columns: from 0.
   std::optional<DenseMatrix> gradients(const SparseMatrix& A, const DenseMatrix& B, const DenseMatrix& X,
                                        const std::vector<Enough>& enough, std::vector<GradientsMade>* made);
   bool single_is_near();
@@ -97,6 +98,7 @@ class KeptFactor {
   SingleFactor single_;
   bool in_single_ = false;  // single_ is used
   SparseMatrix M_;
+  Vector diagonal_;              // of M
   std::vector<Change> changes_;  // in their order
   double kappa_ = 0;             // 0: to be found
   bool at_hand_ = false;

@@ -23,9 +23,15 @@ struct StripOfFactor {
 /// as the columns of the strip have.
 using StripStep = void (*)(const StripOfFactor& L, double* x, std::ptrdiff_t stride);
 
+/// X - Z part for so many columns of X, `rows` long each and `stride` apart; Z has `rank` columns that follow
+/// each other; part has so many rows, one after the other.
+using SubtractProduct = void (*)(const double* Z, std::ptrdiff_t rows, int rank, const double* part,
+                                 double* X, std::ptrdiff_t stride);
+
 /// For a strip of w columns and s sides at [w - 1][s - 1]: L x = b, what lies below included, and L^T x = b.
 struct SingleKernel {
   StripStep forward[widest_strip][most_sides], backward[widest_strip][most_sides];
+  SubtractProduct subtract_product[most_sides];
 };
 
 /// That of the best instruction set that this processor has; numbers do not depend on it.
