@@ -60,7 +60,7 @@ TEST(MemoryUse, CountsTops) {
 // One rank takes what a run takes. With very many, each holds model and state of the whole body where it has
 // all bonds as the stage begins, but not the rows of particles (three of 64 bytes, four numbers and a name),
 // and of bonds not the constants (56 bytes of the rod's kind, and what a pack has besides) and the two
-// entries of the index (24 bytes each).
+// entries of the index (8 bytes each).
 TEST(MemoryUse, OfRanksIsWhatEachHoldsAsAStageBegins) {
   constexpr std::size_t N = 1000;
   const Specimen s = straight_rod(N);
@@ -70,8 +70,8 @@ TEST(MemoryUse, OfRanksIsWhatEachHoldsAsAStageBegins) {
     EXPECT_DOUBLE_EQ(memory_of_each_rank(s.model, s.state, bonds, 1, keep), whole);
   const double many = memory_of_each_rank(s.model, s.state, bonds, 1 << 20, RanksKeep::all_bonds);
   const double rows = N * (3 * 64.0 + 4 * 8.0 + 4.0);
-  EXPECT_GT(whole - many, rows + (56.0 + 48.0) * bonds);
-  EXPECT_LT(whole - many, rows + (66.0 + 48.0) * bonds);
+  EXPECT_GT(whole - many, rows + (56.0 + 16.0) * bonds);
+  EXPECT_LT(whole - many, rows + (66.0 + 16.0) * bonds);
   // where ranks keep their own bonds, there is nothing of the others, but a name for each; and of particles
   // of others the model alone, no state, no place of their row and of their entries of the index
   const double half = memory_of_each_rank(s.model, s.state, bonds, 2, RanksKeep::own_bonds);

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <map>
 #include <set>
+#include <stdexcept>
 #include <tuple>
 
 #include "campaigns/dice.hpp"
@@ -112,6 +113,38 @@ TEST(PackingBonds, JoinExactlyThePairsThatBruteForceFinds) {
   EXPECT_GT(tally.sum("pairs"), 2000.0);
   EXPECT_GT(tally.sum("through faces"), 500.0);
   EXPECT_GT(tally.sum("of a particle with itself"), 10.0);
+}
+
+/// Bit by bit: a process may look for pairs of its own particles where another has looked for all.
+TEST(PackingBonds, OfSomeParticlesAreThoseOfAllWithSuchAFirstOne) {
+  const Tally tally = campaign("pairs of some first particles", 400, [](unsigned seed, Tally& t) {
+    Dice dice(seed);
+    const Grains g = random_grains(dice);
+    Model model;
+    State state;
+    model.radius = PerParticle<double>(g.R), model.cell.periodic = g.periodic;
+    state.r = PerParticle<Vec3d>(g.r), state.cell = g.cell;
+    const double at = dice(-0.5, 0.5) * norm(g.r[0]);
+    PerParticle<char> some(g.r.size(), 0);
+    for (const ParticleId p : some.ids()) some[p] = state.r[p].x < at || dice.chance(0.05);
+    // now and then a pair is exactly at the distance
+    const double distance = dice.chance(0.5) && g.r.size() > 1 ? norm(g.r[1] - g.r[0]) : dice.ratio(0.1, 3.0);
+    for (const BondReach& reach :
+         {BondReach{distance, 0.0}, BondReach{0.0, dice(0.5, 3.0)}, BondReach{dice(0.0, 0.5), 1.0}}) {
+      std::vector<Pair> wanted = pairs_within(model, state, reach, g.in_a, g.in_b, INFINITY);
+      const std::size_t all = wanted.size();
+      std::erase_if(wanted, [&some](const Pair& p) { return some[p.i] == 0; });
+      EXPECT_TRUE(pairs_within(model, state, reach, g.in_a, g.in_b, INFINITY, some) == wanted);
+      if (!wanted.empty()) {
+        EXPECT_THROW(pairs_within(model, state, reach, g.in_a, g.in_b, double(wanted.size()) - 1.0, some),
+                     std::length_error);
+      }
+      t.add("of some", double(wanted.size())), t.add("of others", double(all - wanted.size()));
+    }
+  });
+  if (!tally.full) return;
+  EXPECT_GT(tally.sum("of some"), 2000.0);
+  EXPECT_GT(tally.sum("of others"), 2000.0);
 }
 
 TEST(PackingBonds, WhereSizesDifferAGapTellsWhatADistanceCannot) {

@@ -21,6 +21,14 @@ struct BoundingBox {
     low = {std::min(low.x, b.low.x), std::min(low.y, b.low.y), std::min(low.z, b.low.z)};
     high = {std::max(high.x, b.high.x), std::max(high.y, b.high.y), std::max(high.z, b.high.z)};
   }
+  /// Whether a point is within a distance of it along each axis. A point that is no farther than that from
+  /// one of those that were added, as rounded, always is.
+  bool is_near(const Vec3d& r, double distance) const {
+    const auto near = [distance](double low, double x, double high) {
+      return low - x <= distance && x - high <= distance;
+    };
+    return near(low.x, r.x, high.x) && near(low.y, r.y, high.y) && near(low.z, r.z, high.z);
+  }
   double diagonal() const { return norm(high - low); }
 };
 

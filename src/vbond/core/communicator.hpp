@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -46,6 +47,16 @@ class Communicator {
     std::vector<T> all;
     send_bytes_to_leader(bytes_of(mine), room_in(all));
     return all;
+  }
+  /// Calls take(one) for each of what all processes have, some of each at a time.
+  template <class T, class Take>
+  void tell_all(const std::vector<T>& mine, Take take) const {
+    constexpr std::size_t at_once = 1 << 16;
+    for (std::size_t next = 0; any(next < mine.size()); next = std::min(next + at_once, mine.size())) {
+      const auto first = mine.begin() + static_cast<std::ptrdiff_t>(next);
+      const auto size = static_cast<std::ptrdiff_t>(std::min(at_once, mine.size() - next));
+      for (const T& one : gather(std::vector<T>(first, first + size))) take(one);
+    }
   }
   bool any(bool here) const {
     double number = here ? 1.0 : 0.0;

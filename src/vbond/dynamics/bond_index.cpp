@@ -27,16 +27,24 @@ BondIndex::BondIndex(const Order& order, const PerBond<Bond>& bonds, const PartB
     ends_ = some;
   }
   start_.assign(places + 1, 0);
-  for_known([this](BondId, ParticleId i, ParticleId j, const Image&) {
+  bool any_image = false;
+  for_known([&](BondId, ParticleId i, ParticleId j, const Image& image_j) {
     ++start_[place(i) + 1];
     ++start_[place(j) + 1];
+    any_image |= !image_j.is_itself();
   });
   std::partial_sum(start_.begin(), start_.end(), start_.begin());
-  entries_.resize(start_.back());
+  kept_.resize(start_.back());
+  if (any_image) of_other_.resize(start_.back());
   end_.assign(start_.begin(), start_.end() - 1);
-  for_known([this](BondId name, ParticleId i, ParticleId j, const Image& image_j) {
-    entries_[end_[place(i)]++] = {name, j, true, image_j};
-    entries_[end_[place(j)]++] = {name, i, false, -image_j};
+  const auto add = [this](ParticleId p, BondId name, bool is_i, ParticleId other, const Image& of_other) {
+    const std::size_t at = end_[place(p)]++;
+    kept_[at] = {name, is_i ? 1u : 0u, other.value & 0x7fffffffu};
+    if (!of_other_.empty()) of_other_[at] = of_other;
+  };
+  for_known([&add](BondId name, ParticleId i, ParticleId j, const Image& image_j) {
+    add(i, name, true, j, image_j);
+    add(j, name, false, i, -image_j);
   });
 }
 
@@ -44,12 +52,14 @@ void BondIndex::remove(BondId bond, ParticleId i, ParticleId j) {
   for (const ParticleId p : {i, j}) {
     if (ends_ && !ends_->has(p)) continue;
     const std::size_t k = place(p);
-    Entry* const last = entries_.data() + end_[k];
-    Entry* const at =
-        std::find_if(entries_.data() + start_[k], last, [bond](const Entry& e) { return e.bond == bond; });
-    if (at == last) continue;
-    std::move(at + 1, last, at);
+    std::size_t at = start_[k];
+    while (at != end_[k] && kept_[at].bond != bond) ++at;
+    if (at == end_[k]) continue;
     --end_[k];
+    for (; at != end_[k]; ++at) {
+      kept_[at] = kept_[at + 1];
+      if (!of_other_.empty()) of_other_[at] = of_other_[at + 1];
+    }
   }
 }
 

@@ -19,12 +19,28 @@ class BondIndex {
     bool is_i;       ///< the particle is the bond's i
     Image of_other;  ///< which image of the other one it is bonded to
   };
-  struct Range {
-    const Entry* first;
-    const Entry* last;
-    const Entry* begin() const { return first; }
-    const Entry* end() const { return last; }
+  /// Entries, made as they are looked at of what is kept.
+  class Range {
+   public:
+    struct Iterator {
+      const BondIndex* index;
+      std::size_t at;
+      Entry operator*() const { return index->entry(at); }
+      Iterator& operator++() { return ++at, *this; }
+      friend bool operator==(const Iterator&, const Iterator&) = default;
+    };
+    Range(const BondIndex* index, std::size_t first, std::size_t last)
+        : index_(index), first_(first), last_(last) {}
+    Iterator begin() const { return {index_, first_}; }
+    Iterator end() const { return {index_, last_}; }
+
+   private:
+    const BondIndex* index_;
+    std::size_t first_, last_;
   };
+
+  /// What it takes of a bond, where none joins images.
+  static constexpr std::size_t bytes_per_bond = 2 * (sizeof(BondId) + sizeof(std::uint32_t));
 
   BondIndex() = default;
   BondIndex(const Order& order, const PerBond<Bond>& bonds, const PartBonds& of_part = {});
@@ -33,26 +49,37 @@ class BondIndex {
   void remove(BondId bond, ParticleId i, ParticleId j);
 
   Range of(ParticleId p) const {
-    if (ends_ && !ends_->has(p)) return {nullptr, nullptr};
+    if (ends_ && !ends_->has(p)) return {this, 0, 0};
     const std::size_t k = place(p);
-    return {entries_.data() + start_[k], entries_.data() + end_[k]};
+    return {this, start_[k], end_[k]};
   }
   /// Whether a bond that touches as a capsule was ever made there.
   bool of_fibre(ParticleId p) const { return !of_fibre_.empty() && of_fibre_[p.value] != 0; }
   bool any_fibres() const { return !of_fibre_.empty(); }
   /// Whether p is bonded to this image of o.
   bool bonded(ParticleId p, ParticleId o, const Image& of_o = {}) const {
-    for (const Entry& e : of(p))
+    for (const Entry e : of(p))
       if (e.other == o && e.of_other == of_o) return true;
     return false;
   }
 
  private:
+  /// An entry but for the image, which few bodies have.
+  struct Kept {
+    BondId bond;
+    std::uint32_t is_i : 1;
+    std::uint32_t other : 31;  // particles are fewer than 2^28 (core/near_pairs.hpp)
+  };
+  Entry entry(std::size_t at) const {
+    const Kept& e = kept_[at];
+    return {e.bond, ParticleId{e.other}, e.is_i != 0, of_other_.empty() ? Image{} : of_other_[at]};
+  }
   std::size_t place(ParticleId p) const { return ends_ ? ends_->place(p) : p.value; }
 
   std::shared_ptr<const IdSet<ParticleId>> ends_;  // who has entries; null: all have a place
   std::vector<std::size_t> start_, end_;           // of each place's entries
-  std::vector<Entry> entries_;
+  std::vector<Kept> kept_;
+  std::vector<Image> of_other_;  // of each entry; empty: each is bonded to particles themselves
   std::vector<char> of_fibre_;
 };
 

@@ -28,28 +28,40 @@ double spacing_in(const Vec3d& extent, std::size_t particles) {
   return directions > 0 ? std::pow(filled / static_cast<double>(particles), 1.0 / directions) : 1.0;
 }
 
-std::vector<Layers> layers_of(const PerParticle<Vec3d>& r) {
-  Vec3d min = *r.begin(), max = min;
-  for (const Vec3d& p : r)
-    for (int k = 0; k < 3; ++k) {
-      component(min, k) = std::min(component(min, k), component(p, k));
-      component(max, k) = std::max(component(max, k), component(p, k));
-    }
-  const Vec3d extent = max - min;
-  std::array<int, 3> axis{0, 1, 2};
-  std::stable_sort(axis.begin(), axis.end(),
-                   [&extent](int k, int l) { return component(extent, k) > component(extent, l); });
-  const double spacing = spacing_in(extent, r.size());
-
-  std::vector<Layers> layers;
-  layers.reserve(r.size());
-  for (const Vec3d& p : r) {
-    Layers& l = layers.emplace_back();
+class Layering {
+ public:
+  explicit Layering(const PerParticle<Vec3d>& r) : min_(*r.begin()) {
+    Vec3d max = min_;
+    for (const Vec3d& p : r)
+      for (int k = 0; k < 3; ++k) {
+        component(min_, k) = std::min(component(min_, k), component(p, k));
+        component(max, k) = std::max(component(max, k), component(p, k));
+      }
+    const Vec3d extent = max - min_;
+    std::stable_sort(axis_.begin(), axis_.end(),
+                     [&extent](int k, int l) { return component(extent, k) > component(extent, l); });
+    spacing_ = spacing_in(extent, r.size());
+  }
+  Layers of(const Vec3d& p) const {
+    Layers l{};
     for (std::size_t n = 0; n < 3; ++n) {
-      const double x = (component(p, axis[n]) - component(min, axis[n])) / spacing;
+      const double x = (component(p, axis_[n]) - component(min_, axis_[n])) / spacing_;
       l[n] = static_cast<std::int64_t>(std::min(x + 0.5, 1e15));  // rounded: lattices fall into their layers
     }
+    return l;
   }
+
+ private:
+  Vec3d min_;
+  std::array<int, 3> axis_{0, 1, 2};
+  double spacing_ = 1;
+};
+
+std::vector<Layers> layers_of(const PerParticle<Vec3d>& r) {
+  const Layering layering(r);
+  std::vector<Layers> layers;
+  layers.reserve(r.size());
+  for (const Vec3d& p : r) layers.push_back(layering.of(p));
   return layers;
 }
 
@@ -71,6 +83,37 @@ Order spatial_order(const PerParticle<Vec3d>& r) {
   }
   order.row = RowOf(std::move(row));
   order.own = order.ghosts = order.known = r.size();
+  return order;
+}
+
+Order spatial_order(const PerParticle<Vec3d>& r, const std::vector<ParticleId>& some) {
+  Order order;
+  if (r.empty()) return order;
+  const auto known = std::make_shared<const IdSet<ParticleId>>(r.size(), some);
+  struct Placed {
+    Layers layers;
+    ParticleId particle;
+  };
+  const Layering layering(r);
+  std::vector<Placed> sorted;
+  sorted.reserve(known->size());
+  known->for_each([&](ParticleId p) { sorted.push_back({layering.of(r[p]), p}); });
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const Placed& a, const Placed& b) { return a.layers < b.layers; });
+  PerParticle<Row> row;
+  row.assign(r.size(), {});
+  row.hold(known);
+  for (const Placed& p : sorted) {
+    row[p.particle] = Row{order.particle.size()};
+    order.particle.push_back(p.particle);
+  }
+  order.own = order.ghosts = order.known = sorted.size();
+  for (const ParticleId p : r.ids())
+    if (!known->has(p)) {
+      order.particle.push_back(p);
+      break;
+    }
+  order.row = RowOf(std::move(row), known, Row{order.known});
   return order;
 }
 

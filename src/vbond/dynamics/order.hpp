@@ -93,6 +93,8 @@ inline bool is_worked_out_here(const Order& order, Row i, Row j) {
 /// cells was slower (docs/decisions/data-layout.md). The order depends on the positions alone: from the first
 /// positions of a model it is the same for every stage and after a checkpoint.
 Order spatial_order(const PerParticle<Vec3d>& r);
+/// The same of some particles, for part_of(): all others share one row, in which one of them stands.
+Order spatial_order(const PerParticle<Vec3d>& r, const std::vector<ParticleId>& some);
 
 /// The particles that a part of a body has, and its ghosts, each of them once. Of its own, some are sent:
 /// they are ghosts of other parts, or have images.

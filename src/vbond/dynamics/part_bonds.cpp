@@ -191,15 +191,38 @@ SharedByBonds shared_by(const BondsFromSetUp& own) {
   return shared;
 }
 
+namespace {
+
+/// What other parts have of bonds of which an end is known here. All parts call this together, and tell each
+/// other which particles of others they know.
+std::vector<BondEnds> ends_of_others(const BondsFromSetUp& own, const State& state, const Order& order) {
+  std::vector<ParticleId> known;
+  for (Row k{order.own}; k.value < order.known; ++k.value)
+    if (!order.is_empty(k)) known.push_back(order.particle[k]);
+  PerParticle<char> is_known(state.r.size(), 0);  // by any other than its own part
+  own.all->tell_all(known, [&is_known](ParticleId p) { is_known[p] = 1; });
+  std::vector<BondEnds> mine, others;
+  for (const BondId k : state.bonds.ids()) {
+    const Bond& b = state.bonds[k];
+    if (is_known[b.i] != 0 || is_known[b.j] != 0) mine.push_back({own.part.names[k], b.i, b.j, b.image_j});
+  }
+  own.all->tell_all(mine, [&](const BondEnds& b) {
+    if (!order.has(b.i) && (order.knows(b.i) || order.knows(b.j))) others.push_back(b);
+  });
+  std::sort(others.begin(), others.end(),
+            [](const BondEnds& a, const BondEnds& b) { return a.name < b.name; });
+  return others;
+}
+
+}  // namespace
+
 PartBonds keep_known_bonds(BondsFromSetUp own, const State& state, const Order& order,
                            SharedByBonds& shared) {
   if (!std::all_of(state.bonds.begin(), state.bonds.end(),
                    [&order](const Bond& b) { return order.has(b.i); }))
     throw std::logic_error("a part has other particles than it was set up for");
   shared = shared_by(own);
-  own.for_others([&](const BondEnds& b) {
-    if (order.knows(b.i) || order.knows(b.j)) own.part.others.push_back(b);
-  });
+  own.part.others = ends_of_others(own, state, order);
   return std::move(own.part);
 }
 

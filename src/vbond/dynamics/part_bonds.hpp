@@ -44,8 +44,8 @@ std::vector<WarmBond> in_order_of_bonds(std::vector<WarmBond> warm);
 /// they are the leader's.
 PartBonds keep_own_bonds(State& state, const Order& order, bool leads, SharedByBonds& shared);
 
-/// The same of a state that has these of its own already. Throws std::logic_error if they are not those of
-/// this order.
+/// The same of a state that has these of its own already; all parts call this together. Throws
+/// std::logic_error if they are not those of this order.
 PartBonds keep_known_bonds(BondsFromSetUp own, const State& state, const Order& order, SharedByBonds& shared);
 /// What the bonds of the whole body share.
 SharedByBonds shared_by(const BondsFromSetUp& own);

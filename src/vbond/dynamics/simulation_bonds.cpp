@@ -176,7 +176,7 @@ void Simulation::add_joints_that_part(std::vector<BondId>& broken) const {
   for (std::size_t k = 0, first = broken.size(); k < first; ++k) {
     const Bond& parts = state_.bonds[broken[k]];
     if (!is_cracked(parts)) continue;
-    for (const BondIndex::Entry& e : bond_index_.of(parts.i)) {
+    for (const BondIndex::Entry e : bond_index_.of(parts.i)) {
       if (!e.is_i) continue;  // those of its first particle are here
       const BondId other = part_bonds_.find(e.bond).value();
       if (const Bond& b = state_.bonds[other];

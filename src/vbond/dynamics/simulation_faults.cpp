@@ -51,7 +51,7 @@ void Simulation::check_finite() const {
     const LoadRow& load = bodies_.load[bodies_.order.row[p].value];
     if (!bodies_.order.has(p) || is_sound(load)) continue;
     if (bonds_.remembers()) bonds_.collect(state_.bond_history);
-    for (const BondIndex::Entry& e : bond_index_.of(p)) {
+    for (const BondIndex::Entry e : bond_index_.of(p)) {
       const std::optional<BondId> k = part_bonds_.find(e.bond);
       if (!k || !bodies_.order.has(state_.bonds[*k].i)) continue;
       const Bond& b = state_.bonds[*k];

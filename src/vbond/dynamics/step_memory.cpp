@@ -81,8 +81,8 @@ MemoryUse memory_use(const Model& model, const State& state) {
   return {.per_particle = 4 * sizeof(double) + sizeof(Vec3d) +  // model
                           state_bytes_per_particle + row_bytes + places_bytes + of_tops_per_particle(model) +
                           images_per_particle(model, state) * (row_bytes + sizeof(Row) + 2 * sizeof(Image)),
-          .per_bond = sizeof(Bond) + boxed_per_bond(state) + constants_per_bond(state) +
-                      2 * sizeof(BondIndex::Entry)};
+          .per_bond =
+              sizeof(Bond) + boxed_per_bond(state) + constants_per_bond(state) + BondIndex::bytes_per_bond};
 }
 
 double memory_of_each_rank(const Model& model, const State& state, double bonds, int ranks, RanksKeep keep) {
@@ -93,7 +93,7 @@ double memory_of_each_rank(const Model& model, const State& state, double bonds,
   const double known_elsewhere = rows_elsewhere + elsewhere * (state_bytes_per_particle + places_bytes);
   if (ranks > 1 && keep == RanksKeep::own_bonds)
     return n * (use.per_particle - known_elsewhere) + bonds / ranks * (use.per_bond + sizeof(BondId));
-  const double bond_elsewhere = (constants_per_bond(state) + 2 * sizeof(BondIndex::Entry)) * elsewhere;
+  const double bond_elsewhere = (constants_per_bond(state) + BondIndex::bytes_per_bond) * elsewhere;
   return n * (use.per_particle - rows_elsewhere) + bonds * (use.per_bond - bond_elsewhere);
 }
 

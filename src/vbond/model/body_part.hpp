@@ -39,41 +39,16 @@ struct PartBonds {
   }
 };
 
-/// The bonds that one of several processes keeps of a body from its set-up on, while it still has all
-/// particles. `all` is nullptr: the state has all bonds.
+/// What one of several processes knows of the bonds of a body from its set-up on, while it still has all
+/// particles, and its own bonds alone. `all` is nullptr: the state has all bonds.
 struct BondsFromSetUp {
-  struct Ends {
-    ParticleId i, j;
-  };
-  struct EndAtImage {
-    std::uint32_t other;  ///< its place in `others`
-    Image image_j;
-  };
-
-  PartBonds part;                  ///< names of those that it keeps; its `others` are empty
-  std::vector<Ends> others;        ///< of all bonds that it does not keep, in order of names
-  std::vector<EndAtImage> images;  ///< of those that join images, in their order
+  PartBonds part;                    ///< names of those that it keeps; its `others` are empty
+  PerParticle<char> own;             ///< whether each particle is its own
+  PerParticle<std::uint32_t> bonds;  ///< of each particle, own or not
+  std::size_t whole = 0;             ///< how many bonds the body has
   std::vector<Bond> kinds;  ///< in the whole body the first ones of each law and of all rules, in order
   PerBond<Bond> first;      ///< of the first pair of the body
   const Communicator* all = nullptr;
-
-  std::size_t bonds() const { return part.names.size() + others.size(); }  ///< of the whole body
-  void add_other(const Bond& b) {
-    if (!b.image_j.is_itself()) images.push_back({static_cast<std::uint32_t>(others.size()), b.image_j});
-    others.push_back({b.i, b.j});
-  }
-  /// Calls visit(BondEnds) for each of those that it does not keep.
-  template <class Visit>
-  void for_others(Visit&& visit) const {
-    BondId name{0};  // who keeps it not has the next one that is no own one
-    auto own = part.names.begin();
-    auto image = images.begin();
-    for (std::uint32_t k = 0; k < others.size(); ++k, ++name.value) {
-      for (; own != part.names.end() && *own == name; ++own) ++name.value;
-      const bool at_image = image != images.end() && image->other == k;
-      visit(BondEnds{name, others[k].i, others[k].j, at_image ? (image++)->image_j : Image{}});
-    }
-  }
 };
 
 /// What one process sees of a body that several may share: sums over what is its own, added up, are of the
@@ -84,7 +59,7 @@ class BodyPart {
   /// The whole body. Keeps a reference.
   BodyPart(const State& whole) : state(whole), all(alone()) {}
   /// The whole body, whose particles each of these processes has, and own bonds alone: as it is set up. Sums
-  /// over particles are of each. Keeps references.
+  /// over particles are of each; pairs that touch are of one. Keeps references.
   BodyPart(const State& whole, const BondsFromSetUp& bonds)
       : state(whole),
         all(bonds.all != nullptr ? *bonds.all : alone()),
@@ -109,17 +84,28 @@ class BodyPart {
   /// Whether a bond of the state is its own; and the number of that bond in the whole body, by which files
   /// and messages know it.
   bool has(const Bond& b) const { return has(b.i); }
+  /// Whether pairs that touch are shared out, and one of this lower number is its own.
+  bool shares_pairs() const { return own_ != nullptr || from_set_up_ != nullptr; }
+  bool has_pair_of(ParticleId lower) const {
+    return from_set_up_ != nullptr ? from_set_up_->own[lower] != 0 : has(lower);
+  }
   BondId name(BondId k) const { return bonds_ == nullptr ? k : bonds_->name(k); }
+  /// How many bonds that are not broken each particle has, of those of which it knows an end; as a body is
+  /// set up, of all.
+  PerParticle<std::uint32_t> bonds_of_each() const {
+    if (from_set_up_ != nullptr) return from_set_up_->bonds;
+    PerParticle<std::uint32_t> n(state.r.size(), 0);
+    for_bonded([&n](ParticleId i, ParticleId j, const Image&, bool) { ++n[i], ++n[j]; });
+    return n;
+  }
   /// Calls visit(i, j, image_j, cracked) for all bonds that are not broken and of which it knows an end, own
-  /// and others.
+  /// and others; as a body is set up, for own ones.
   template <class Visit>
   void for_bonded(Visit&& visit) const {
     for (const Bond& b : state.bonds)
       if (!b.broken) visit(b.i, b.j, b.image_j, is_cracked(b));
     if (bonds_ == nullptr) return;
-    const auto show = [&visit](const BondEnds& b) { visit(b.i, b.j, b.image_j, b.cracked); };
-    for (const BondEnds& b : bonds_->others) show(b);
-    if (from_set_up_ != nullptr) from_set_up_->for_others(show);
+    for (const BondEnds& b : bonds_->others) visit(b.i, b.j, b.image_j, b.cracked);
   }
 
   /// The sum of what all processes have.

@@ -267,10 +267,25 @@ inline double growth_of(const State& s, const Bond& b, double expansion) {
   return expansion * 0.5 * (s.temperature[b.i] + s.temperature[b.j]);
 }
 
-/// Takes up a new bond, made by this recipe; one that expands is at rest at the temperature of now. If bonded
-/// pairs do not touch, the energy of the pair's repulsion is given up and booked as dissipated; the energy of
-/// a prestrain, with what has flowed of it, is booked as work of imposed strain.
-inline void add_bond(const Model& model, const Bond& bond, const BondRecipe& recipe, State& s) {
+/// What books have of a bond as it is made. If bonded pairs do not touch, the energy of the pair's repulsion
+/// is given up and booked as dissipated; the energy of a prestrain, with what has flowed of it, is booked as
+/// work of imposed strain.  [energy]
+struct EnergyOfNewBond {
+  double repulsion = 0, prestrain = 0, flowed = 0;
+  bool any() const { return repulsion != 0.0 || prestrain != 0.0 || flowed != 0.0; }
+};
+inline void book(const EnergyOfNewBond& of, EnergyBooks& books) {
+  books.lose(Loss::bonding, of.repulsion);
+  books.work_supports += of.prestrain;
+  books.work_supports += of.flowed;
+  books.dissipated += of.flowed;
+}
+
+/// Takes up a new bond, made by this recipe; one that expands is at rest at the temperature of now. Books
+/// nothing.
+inline EnergyOfNewBond take_up_bond(const Model& model, const Bond& bond, const BondRecipe& recipe,
+                                    State& s) {
+  EnergyOfNewBond energy;
   s.bonds.push_back(bond);
   if (!s.bond_history.empty()) s.bond_history.resize(s.bonds.size());
   if (recipe.expansion != 0.0) {
@@ -279,17 +294,21 @@ inline void add_bond(const Model& model, const Bond& bond, const BondRecipe& rec
                             bond.R_j / factor});
   }
   if (model.contact.pairs == ContactPairs::unbonded)
-    s.books.lose(Loss::bonding, contact_pair_energy(model, s, bond.i, bond.j, bond.image_j));
-  if (recipe.prestrain == 0.0) return;
+    energy.repulsion = contact_pair_energy(model, s, bond.i, bond.j, bond.image_j);
+  if (recipe.prestrain == 0.0) return energy;
   const BondPose<double> pose = bond_pose(bond, s);
   const BondHistory history = first_history(bond, pose);
   const BondEnergy<double> U = bond.law->energy(bond, pose, history);
-  s.books.work_supports += U.U_L + U.U_B + U.U_T;
-  if (history == no_history) return;
+  energy.prestrain = U.U_L + U.U_B + U.U_T;
+  if (history == no_history) return energy;
   s.bond_history.resize(s.bonds.size());
   s.bond_history[BondId{s.bonds.size() - 1}] = history;
-  s.books.work_supports += history[memory::dissipated];
-  s.books.dissipated += history[memory::dissipated];
+  energy.flowed = history[memory::dissipated];
+  return energy;
+}
+/// The same, and books it.
+inline void add_bond(const Model& model, const Bond& bond, const BondRecipe& recipe, State& s) {
+  book(take_up_bond(model, bond, recipe, s), s.books);
 }
 
 /// What a bond remembers.

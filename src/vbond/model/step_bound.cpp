@@ -61,7 +61,8 @@ std::string motion_of(const Element& e) {
 PerParticle<double> bonds_of_particles(const Model& model, const BodyPart& body,
                                        const std::vector<BondingRule>& rules) {
   PerParticle<double> n(model.particles(), 0.0);
-  body.for_bonded([&n](ParticleId i, ParticleId j, const Image&, bool) { n[i] += 1.0, n[j] += 1.0; });
+  const PerParticle<std::uint32_t> bonds = body.bonds_of_each();
+  for (const ParticleId p : n.ids()) n[p] = static_cast<double>(bonds[p]);
   for (const BondingRule& rule : rules)
     for (const ParticleId p : n.ids())
       if (rule.in_a[p.value] || rule.in_b[p.value]) n[p] = std::max(n[p], bonds_of_close_packing);

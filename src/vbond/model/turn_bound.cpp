@@ -17,10 +17,9 @@ double largest_factor(const TimeFunction& f) {
 /// its group.
 std::vector<char> feel_turns(const Model& model, const BodyPart& body, const Stage& stage) {
   std::vector<char> feels(model.particles(), 0);
-  body.for_bonded(
-      [&feels](ParticleId i, ParticleId j, const Image&, bool) { feels[i.value] = feels[j.value] = 1; });
+  const PerParticle<std::uint32_t> bonds = body.bonds_of_each();
   for (const ParticleId p : model.mass.ids()) {
-    if (model.is_top(p)) feels[p.value] = 1;
+    if (bonds[p] > 0 || model.is_top(p)) feels[p.value] = 1;
     for (const BondingRule& rule : stage.bonding)
       if (rule.in_a[p.value] || rule.in_b[p.value]) feels[p.value] = 1;
   }

@@ -64,7 +64,7 @@ struct Domains::Lammps {
 
   void command(const std::string& line) const { lmp->input->one(line); }
   void make_box(const PerParticle<Vec3d>& all, double margin);
-  void make_atoms(const Order& order, const PerParticle<Vec3d>& all) const;
+  void make_atoms(const PerParticle<Vec3d>& all) const;
   /// Moves the borders between domains so that their work is the same but for a twentieth, where planes
   /// through the body can do so.
   void balance(const PerParticle<double>& work) const;
@@ -91,7 +91,7 @@ void Domains::Lammps::make_box(const PerParticle<Vec3d>& all, double margin) {
   std::string sides;
   for (int k = 0; k < 3; ++k)
     sides += " " + text(component(low, k) - margin) + " " + text(component(high, k) + margin);
-  for (const char* line : {"units lj", "atom_style atomic", "atom_modify map yes sort 0 0.0", "newton on",
+  for (const char* line : {"units lj", "atom_style atomic", "atom_modify sort 0 0.0", "newton on",
                            "boundary s s s", "neighbor 0.0 bin"})
     command(line);
   command("region body block" + sides + " units box");
@@ -101,12 +101,11 @@ void Domains::Lammps::make_box(const PerParticle<Vec3d>& all, double margin) {
   fix = dynamic_cast<FixVbond*>(lmp->modify->add_fix("body all vbond"));
 }
 
-/// In the order of space, as the step loop has them.
-void Domains::Lammps::make_atoms(const Order& order, const PerParticle<Vec3d>& all) const {
+void Domains::Lammps::make_atoms(const PerParticle<Vec3d>& all) const {
   std::vector<int> id, type(all.size(), 1);
   std::vector<double> x;
   id.reserve(all.size()), x.reserve(3 * all.size());
-  for (const ParticleId p : order.particle) {
+  for (const ParticleId p : all.ids()) {
     id.push_back(static_cast<int>(p.value) + 1);
     x.insert(x.end(), {all[p].x, all[p].y, all[p].z});
   }
@@ -132,12 +131,11 @@ void Domains::Lammps::spread() const {
                              " particles on their way between ranks");
 }
 
-Domains::Domains(const Order& order, const PerParticle<Vec3d>& all, const PerParticle<double>& work,
-                 double margin)
+Domains::Domains(const PerParticle<Vec3d>& all, const PerParticle<double>& work, double margin)
     : lammps_(std::make_unique<Lammps>()) {
   lammps_->particles = static_cast<std::int64_t>(all.size());
   lammps_->make_box(all, std::max(margin, 1e-3));
-  lammps_->make_atoms(order, all);
+  lammps_->make_atoms(all);
   lammps_->command("variable cost atom f_body");
   lammps_->lmp->init();
   lammps_->balance(work);

@@ -2,7 +2,8 @@
 #include <memory>
 #include <vector>
 
-#include "vbond/dynamics/order.hpp"
+#include "vbond/core/column.hpp"
+#include "vbond/core/vec3.hpp"
 
 namespace vbond {
 
@@ -12,7 +13,7 @@ class Domains {
  public:
   /// Spreads particles at these positions, which all ranks know, over the ranks. work: what each costs.
   /// margin: a length that is small against domains, and large against rounding.
-  Domains(const Order& order, const PerParticle<Vec3d>& all, const PerParticle<double>& work, double margin);
+  Domains(const PerParticle<Vec3d>& all, const PerParticle<double>& work, double margin);
   ~Domains();
 
   /// Their positions are now these: particles go to the rank in whose domain they are, of equal work if that

@@ -125,11 +125,10 @@ std::string Ranks::text_of_rank(int rank, std::string text) const {
 
 void Ranks::make_domains(const Model& model, const State& state, const PerParticle<double>& work,
                          double longest) {
-  order_ = spatial_order(model.r_0);
   domains_.reset();
   const double size = size_of_domains(state, longest);
   lost_beyond_ = farthest_found * size;
-  domains_ = std::make_unique<Domains>(order_, straightened(model, state), work, size);
+  domains_ = std::make_unique<Domains>(straightened(model, state), work, size);
 }
 
 std::vector<ParticleId> Ranks::spread_first(const Model& model, const State& state,
@@ -191,9 +190,11 @@ Share Ranks::share_of(const Model& model, const State& state, double longest) {
   const double reach = knows_all_ && !model.cell.any() ? 0.0 : ghost_reach();
   std::vector<ImageOf> ghosts = ghosts_of(own_, model, state, reach, knows_all_);
   halo_ = Halo(own_, ghosts, model.particles(), *this);
+  std::vector<ParticleId> known = own_;
+  for (const ImageOf& g : ghosts) known.push_back(g.particle);
   Share share{
       part_of(
-          order_,
+          knows_all_ ? spatial_order(model.r_0) : spatial_order(model.r_0, known),
           {.own = own_, .sent = halo_.sent(), .ghosts = std::move(ghosts), .others_in_one_row = !knows_all_}),
       std::numeric_limits<double>::infinity(), lost_beyond_};
   halo_.take_rows(share.order);

@@ -69,7 +69,6 @@ class Ranks : public Partition {
   mutable double waited_ = 0;
   mutable bool waits_ = false, has_failed_together_ = false;
   double begun_ = -1;       // seconds of work then; < 0: not yet
-  Order order_;             // of the whole body
   double reach_ = 0;        // of what may touch or be bonded
   bool knows_all_ = false;  // each rank knows all particles
   double lost_beyond_ = 0;

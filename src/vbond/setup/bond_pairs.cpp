@@ -197,7 +197,8 @@ void leave_out(const BondShare& share, SelectedPairs& selected) {
 }  // namespace
 
 SelectedPairs select_pairs(const Case& c, std::size_t set, const Model& model, const State& state,
-                           Problems& problems, SharedCells& shared, std::span<const SelectedPairs> before) {
+                           Problems& problems, SharedCells& shared, std::span<const SelectedPairs> before,
+                           const PerParticle<char>* some) {
   const BondSpec& spec = c.bonds[set];
   const Group* a = look_up_group(spec.between[0], model, problems);
   const Group* b = look_up_group(spec.between[1], model, problems);
@@ -211,7 +212,8 @@ SelectedPairs select_pairs(const Case& c, std::size_t set, const Model& model, c
                           shared,
                           membership(*a, model),
                           membership(*b, model),
-                          {}};
+                          {},
+                          some};
   for (const Bond& bond : state.bonds) selection.bonded[pair_of(bond)] = bond.set;
   for (std::uint32_t k = 0; k < before.size(); ++k)
     for (const Pair& pair : before[k].pairs) selection.bonded[pair] = k;
@@ -219,7 +221,7 @@ SelectedPairs select_pairs(const Case& c, std::size_t set, const Model& model, c
     SelectedPairs selected = selection.select();
     const std::size_t all = selected.pairs.size();
     leave_out(spec.share, selected);
-    if (all > 0 && selected.pairs.empty())
+    if (all > 0 && selected.pairs.empty() && some == nullptr)
       problems.add(spec.place, fmt::format("bonds \"{}\": share = {}", spec.name, spec.share.part),
                    fmt::format("leaves none of {} pairs", all), "use a larger share, or another seed");
     return selected;

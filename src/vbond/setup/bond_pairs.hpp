@@ -77,6 +77,11 @@ class SharedCells {
 /// The same for the particles of a state that are there.
 std::vector<Pair> pairs_within(const Model& model, const State& state, const BondReach& reach,
                                const std::vector<char>& in_a, const std::vector<char>& in_b, double most);
+/// Of these pairs, of a state in which all are there, those whose first particle is one of some. Looks at
+/// what is near these alone, of a periodic body at all.
+std::vector<Pair> pairs_within(const Model& model, const State& state, const BondReach& reach,
+                               const std::vector<char>& in_a, const std::vector<char>& in_b, double most,
+                               const PerParticle<char>& some);
 
 /// Of these pairs keeps those whose radical Voronoi cells, of all particles, share a face of which the area
 /// is at least `least` times the square of the distance of the centres.
@@ -85,9 +90,12 @@ void keep_those_that_share_faces(const Model& model, const State& state, double 
 
 /// The pairs that set number `set` of the case bonds between the particles as they stand in `state`, in
 /// order. Bonded already are those of the state, and of the sets before it where their pairs are given.
+/// some: those alone whose first particle is one of these, and it is no mistake if there are none; crossings
+/// are not selected so.
 SelectedPairs select_pairs(const Case& c, std::size_t set, const Model& model, const State& state,
                            Problems& problems, SharedCells& shared,
-                           std::span<const SelectedPairs> before = {});
+                           std::span<const SelectedPairs> before = {},
+                           const PerParticle<char>* some = nullptr);
 
 /// A line for each bond set with a file of pairs, where a specimen of rows of a file is cut: whoever wrote
 /// the pairs may have had the rows in mind.

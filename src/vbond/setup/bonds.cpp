@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <span>
 #include <utility>
 
 #include "vbond/model/bond_sums.hpp"
@@ -14,7 +12,6 @@
 #include "vbond/model/joint_cells.hpp"
 #include "vbond/model/make_bond.hpp"
 #include "vbond/model/touching.hpp"
-#include "vbond/setup/own_bonds.hpp"
 
 namespace vbond {
 namespace {
@@ -84,10 +81,9 @@ double stored_slip(const Model& model, const State& state) {
   return U;
 }
 
-/// done(k): the pairs of piece k have their bonds. keeper: null: the state has all bonds.
+/// unbooked: takes up what is to be booked; null: it is booked.
 void make_bonds_of(const Case& c, std::size_t set, const Model& model, State& state,
-                   std::span<const SelectedPairs> pieces, const std::function<void(std::size_t)>& done,
-                   Problems& problems, BondKeeper* keeper);
+                   const SelectedPairs& selected, Problems& problems, std::vector<UnbookedBond>* unbooked);
 
 }  // namespace
 
@@ -116,21 +112,20 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
 
 void make_bonds(const Case& c, std::size_t set, const Model& model, State& state,
                 const SelectedPairs& selected, Problems& problems) {
-  make_bonds_of(
-      c, set, model, state, {&selected, 1}, [](std::size_t) {}, problems, nullptr);
+  make_bonds_of(c, set, model, state, selected, problems, nullptr);
 }
 
-void make_bonds(const Case& c, std::size_t set, const Model& model, State& state,
-                std::vector<SelectedPairs> pieces, Problems& problems, BondKeeper& keeper) {
-  const auto give_back = [&pieces](std::size_t done) { pieces[done] = {}; };
-  make_bonds_of(c, set, model, state, pieces, give_back, problems, &keeper);
+std::vector<UnbookedBond> make_some_bonds(const Case& c, std::size_t set, const Model& model, State& state,
+                                          const SelectedPairs& selected, Problems& problems) {
+  std::vector<UnbookedBond> unbooked;
+  make_bonds_of(c, set, model, state, selected, problems, &unbooked);
+  return unbooked;
 }
 
 namespace {
 
 void make_bonds_of(const Case& c, std::size_t set, const Model& model, State& state,
-                   std::span<const SelectedPairs> pieces, const std::function<void(std::size_t)>& done,
-                   Problems& problems, BondKeeper* keeper) {
+                   const SelectedPairs& selected, Problems& problems, std::vector<UnbookedBond>* unbooked) {
   const BondSpec& spec = c.bonds[set];
   BondRecipe recipe = spec.recipe;
   recipe.set = static_cast<std::uint32_t>(set);
@@ -138,18 +133,13 @@ void make_bonds_of(const Case& c, std::size_t set, const Model& model, State& st
   FirstAndCount no_length, no_radius, unstable, snapping, no_capsule, broken;
   CapsuleMistake of_capsule;
   const EnergyBooks books = state.books;
-  const double U = potential_energies(model, state).contact, flowed = dissipated_by_flow(state),
-               slip = stored_slip(model, state);
+  const bool whole = unbooked == nullptr;  // else nothing is a capsule, and nothing has slipped yet
+  const double U = whole ? potential_energies(model, state).contact : 0.0,
+               flowed = whole ? dissipated_by_flow(state) : 0.0,
+               slip = whole ? stored_slip(model, state) : 0.0;
   double longest = INFINITY;  // of bonds that soften
-  const auto take_up = [&](const Bond& bond) {
-    add_bond(model, bond, recipe, state);
-    if (keeper != nullptr) keeper->look_at_last(state);
-  };
-  std::size_t to_come = keeper != nullptr ? keeper->expect(pieces, cells.size()) : 0;
-  if (keeper == nullptr)
-    for (const SelectedPairs& piece : pieces) to_come += piece.pairs.size() * cells.size();
-  state.bonds.reserve(state.bonds.size() + to_come);
-  const auto make = [&](const SelectedPairs& selected, std::size_t k) {
+  state.bonds.reserve(state.bonds.size() + selected.pairs.size() * cells.size());
+  const auto make = [&](std::size_t k) {
     const Pair& pair = selected.pairs[k];
     if (is_absent(state, pair.i) || is_absent(state, pair.j)) return;
     const auto [site_i, site_j] = sites_of(selected, k, model, state);
@@ -184,19 +174,21 @@ void make_bonds_of(const Case& c, std::size_t set, const Model& model, State& st
       no_capsule.note(fmt::format("particles {} and {} are {:.6g} apart, the capsule's radius is {:.6g}",
                                   pair.i.value, pair.j.value, distance, bond->capsule));
     }
-    take_up(*bond);
-    const EnergyBooks booked = state.books;  // a pair gives its repulsion up once; cells are made at rest
-    for (std::size_t cell = 1; cell < cells.size(); ++cell) take_up(*make_bond(cells[cell], site_i, site_j));
-    state.books = booked;
+    const EnergyOfNewBond energy = take_up_bond(model, *bond, recipe, state);
+    if (whole)
+      book(energy, state.books);
+    else if (energy.any())
+      unbooked->push_back({BondId{state.bonds.size() - 1}, energy});
+    for (std::size_t cell = 1; cell < cells.size(); ++cell)  // made at rest; repulsion is given up once
+      take_up_bond(model, *make_bond(cells[cell], site_i, site_j), recipe, state);
   };
-  for (std::size_t piece = 0; piece < pieces.size(); done(piece++))
-    for (std::size_t k = 0; k < pieces[piece].pairs.size(); ++k) make(pieces[piece], k);
+  for (std::size_t k = 0; k < selected.pairs.size(); ++k) make(k);
   if (any_capsules(model.contact, state.bonds)) {  // what others touch changes, too
     state.books.dissipated = books.dissipated + (dissipated_by_flow(state) - flowed);
     state.books.lost = books.lost;
     state.books.lose(Loss::bonding, U - potential_energies(model, state).contact);
   }
-  state.books.lose(Loss::bonding, slip - stored_slip(model, state));
+  if (whole) state.books.lose(Loss::bonding, slip - stored_slip(model, state));
   const auto report = [&](const FirstAndCount& found, const char* rule, const char* way_out) {
     if (found.count > 0)
       problems.add(spec.place, fmt::format("bonds \"{}\": {}", spec.name, found.text()), rule, way_out);

@@ -13,8 +13,6 @@
 
 namespace vbond {
 
-class BondKeeper;
-
 /// Makes the bonds of set number `set` of the case between the particles as they stand in `state`, in order
 /// of (i, j), i < j. Pairs bonded already are passed over if selected by distance or bonded by this same
 /// set, and a mistake otherwise.
@@ -24,10 +22,15 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
 /// The same for pairs that have been selected.
 void make_bonds(const Case& c, std::size_t set, const Model& model, State& state,
                 const SelectedPairs& selected, Problems& problems);
-/// The same for pairs at centres and surfaces, in pieces that are given back one by one. Of these bonds the
-/// state has those that the keeper keeps.
-void make_bonds(const Case& c, std::size_t set, const Model& model, State& state,
-                std::vector<SelectedPairs> pieces, Problems& problems, BondKeeper& keeper);
+/// What books have of a bond of the state.
+struct UnbookedBond {
+  BondId bond;
+  EnergyOfNewBond energy;
+};
+/// The same for some of the pairs of a set at centres and surfaces. Books nothing: returns what there is to
+/// book, in order of bonds.
+std::vector<UnbookedBond> make_some_bonds(const Case& c, std::size_t set, const Model& model, State& state,
+                                          const SelectedPairs& selected, Problems& problems);
 
 /// Looks ahead at a set that makes its bonds when particles have moved on from where they stand in `state`.
 /// Pairs that are listed are bonded as they stand, and what is wrong with them wherever they stand is

@@ -243,18 +243,27 @@ Built build_body(const Case& c, int threads, const KeepOwnBonds* processes) {
   check_periodic(c, model, problems);
   problems.throw_if_any();
   state.r = model.r_0;
-  check_distinct(c, model, problems);
+  const PerParticle<char> slice =
+      processes != nullptr ? slice_of(state.r, processes->all) : PerParticle<char>{};
+  check_distinct(c, model, state, processes != nullptr ? &slice : nullptr, problems);
   check_contact(c, model, problems);
   add_materials(c, specimens, model, problems);
   add_walls(c, built, problems);
   add_groups(c, specimens, model, built.notes, problems);
-  problems.throw_if_any();
+  const auto throw_if_any = [&problems, processes] {  // each process finds its own
+    if (processes != nullptr)
+      throw_if_any_has(problems, processes->all);
+    else
+      problems.throw_if_any();
+  };
+  if (processes != nullptr) processes->meet();
+  throw_if_any();
   add_copies(c, built);
 
   SharedCells shared(threads);
   if (processes != nullptr)
-    built.own =
-        std::make_shared<BondsFromSetUp>(make_own_bonds(c, model, state, *processes, problems, shared));
+    built.own = std::make_shared<BondsFromSetUp>(
+        make_own_bonds(c, model, state, slice, *processes, problems, shared));
   else
     for (std::size_t set = 0; set < c.bonds.size(); ++set)
       if (c.bonds[set].when == BondTime::start) add_bonds_at_start(c, set, built, problems, shared);
@@ -268,10 +277,10 @@ Built build_body(const Case& c, int threads, const KeepOwnBonds* processes) {
   check_output(c, model, problems);
   check_case_of_sources(c, problems);
   check_output_of_sources(c, model, problems);
-  problems.throw_if_any();
+  throw_if_any();
   check_sources(c, built, problems);
   check_durations(c, built, problems);
-  problems.throw_if_any();
+  throw_if_any();
   for (std::string& note : notes_on_pairs(c)) built.notes.push_back(std::move(note));
   for (std::string& note : notes_on_prestrain(c, model, built.body())) built.notes.push_back(std::move(note));
   return built;

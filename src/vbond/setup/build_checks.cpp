@@ -4,24 +4,42 @@
 
 #include <algorithm>
 #include <set>
+#include <stdexcept>
 #include <tuple>
 #include <vector>
 
 #include "vbond/core/bounding_box.hpp"
 #include "vbond/core/images.hpp"
 #include "vbond/model/touching.hpp"
+#include "vbond/setup/bond_pairs.hpp"
 #include "vbond/setup/groups.hpp"
 #include "vbond/setup/motion_stages.hpp"
 #include "vbond/setup/stage_step.hpp"
 
 namespace vbond {
 
-void check_distinct(const Case& c, const Model& model, Problems& problems) {
+namespace {
+
+/// Whether one of some particles is nearer than this to one of a higher number.
+bool any_together(const Model& model, const State& state, double distance, const PerParticle<char>& some) {
+  const std::vector<char> all(model.particles(), 1);
+  try {
+    return !pairs_within(model, state, {distance, 0.0}, all, all, 1.0, some).empty();
+  } catch (const std::length_error&) {  // more than one
+    return true;
+  }
+}
+
+}  // namespace
+
+void check_distinct(const Case& c, const Model& model, const State& state, const PerParticle<char>* some,
+                    Problems& problems) {
   constexpr std::size_t enough = 1000;  // of many particles at one place all pairs would take hours
   std::size_t found = 0, first_i = 0, first_j = 0;
   Image of_j;
   const CellEdges cell = cell_at_start(model);
   const double size = box_around(model.r_0).diagonal();
+  if (some != nullptr && !any_together(model, state, 1e-9 * size, *some)) return;
   for_near_images(cell, model.cell.periodic, model.r_0.values(), 1e-9 * size,
                   [&](std::size_t i, std::size_t j, const Image& n, double) {
                     if (!stood_together(model, ParticleId{i}, ParticleId{j})) return true;

@@ -5,7 +5,10 @@
 #include <utility>
 #include <variant>
 
+#include "vbond/core/bounding_box.hpp"
+#include "vbond/core/error.hpp"
 #include "vbond/model/joint_cells.hpp"
+#include "vbond/model/make_bond.hpp"
 #include "vbond/setup/bonds.hpp"
 #include "vbond/setup/stage_step.hpp"
 #include "vbond/terms/heat/heat.hpp"
@@ -13,41 +16,157 @@
 namespace vbond {
 namespace {
 
-/// What is known of the bonds of all sets by their pairs alone.
-struct ToCome {
-  PerParticle<std::uint32_t> of_first;  ///< how many have each particle as their first
-  double longest2 = 0;                  ///< [length^2]
+/// Counts of all processes are added up.
+void sum_up(PerParticle<std::uint32_t>& counts, const Communicator& all) {
+  constexpr std::size_t at_once = 1 << 16;
+  std::vector<double> some;
+  for (std::size_t first = 0; first < counts.size(); first += at_once) {
+    const std::size_t n = std::min(at_once, counts.size() - first);
+    std::uint32_t* const of = counts.data() + first;
+    some.assign(of, of + n);
+    all.sum(some);
+    for (std::size_t k = 0; k < n; ++k) of[k] = static_cast<std::uint32_t>(some[k]);
+  }
+}
+
+/// A set of the case: the pairs of this process, and of the whole body how many have each particle as their
+/// first.
+struct SetOfPairs {
+  SelectedPairs selected;
+  PerParticle<std::uint32_t> of_first;
+  std::size_t cells = 1;  // bonds of each pair
 };
 
-ToCome bonds_of(const Case& c, const std::vector<SelectedPairs>& sets, const State& state) {
-  ToCome to_come{PerParticle<std::uint32_t>(state.r.size(), 0)};
+/// What is known of the bonds of all sets by their pairs.
+struct ToCome {
+  PerParticle<std::uint32_t> of_first, of_each;  // bonds that have a particle as their first, or as an end
+  std::size_t bonds = 0;
+  double longest2 = 0;  // [length^2]
+};
+
+/// Selects pairs whose first particles are those of a slice.
+std::vector<SetOfPairs> select_in_slice(const Case& c, const Model& model, const State& state,
+                                        const PerParticle<char>& slice, Problems& problems,
+                                        SharedCells& shared) {
+  std::vector<SetOfPairs> sets(c.bonds.size());
+  std::vector<SelectedPairs> before;
   for (std::size_t set = 0; set < sets.size(); ++set) {
-    const auto cells = static_cast<std::uint32_t>(recipes_of(c.bonds[set].recipe).size());
-    for (const Pair& p : sets[set].pairs) {
-      to_come.of_first[p.i] += cells;
+    before.push_back(select_pairs(c, set, model, state, problems, shared, before, &slice));
+    sets[set].cells = recipes_of(c.bonds[set].recipe).size();
+  }
+  for (std::size_t set = 0; set < sets.size(); ++set) sets[set].selected = std::move(before[set]);
+  return sets;
+}
+
+/// Adds up what all processes have selected. Throws CaseError if a set has no pairs, which may be a mistake.
+ToCome count(const Case& c, std::vector<SetOfPairs>& sets, const State& state, const Communicator& all) {
+  ToCome to_come;
+  to_come.of_first.assign(state.r.size(), 0), to_come.of_each.assign(state.r.size(), 0);
+  for (SetOfPairs& set : sets) {
+    set.of_first.assign(state.r.size(), 0);
+    const auto cells = static_cast<std::uint32_t>(set.cells);
+    for (const Pair& p : set.selected.pairs) {
+      ++set.of_first[p.i];
+      to_come.of_each[p.i] += cells, to_come.of_each[p.j] += cells;
       to_come.longest2 = std::max(to_come.longest2, norm2(between(state, p.i, p.j, p.image_j)));
     }
+    sum_up(set.of_first, all);
+    std::size_t pairs = 0;
+    for (const ParticleId p : state.r.ids())
+      pairs += set.of_first[p], to_come.of_first[p] += cells * set.of_first[p];
+    if (pairs == 0) throw CaseError(Problem{{c.file, 0, 0}, "a set of bonds finds no pairs", "", ""});
+    to_come.bonds += pairs * set.cells;
   }
+  sum_up(to_come.of_each, all);
+  all.max({&to_come.longest2, 1});
   return to_come;
 }
 
-bool differs_in_law(const Bond& b, const std::vector<Bond>& kinds) {
-  return std::none_of(kinds.begin(), kinds.end(), [&b](const Bond& k) { return k.law == b.law; });
-}
-bool differs_in_rules(const Bond& b, const std::vector<Bond>& kinds) {
-  return std::none_of(kinds.begin(), kinds.end(), [&b](const Bond& k) { return k.rules == b.rules; });
+/// Pairs go to the process that has their first particle.
+void send_to_owners(std::vector<Pair>& pairs, const PerParticle<char>& own, const Communicator& all) {
+  const auto is_own = [&own](const Pair& p) { return own[p.i] != 0; };
+  const auto kept = std::partition(pairs.begin(), pairs.end(), is_own);
+  const std::vector<Pair> go(kept, pairs.end());
+  pairs.erase(kept, pairs.end());
+  all.tell_all(go, [&](const Pair& p) {
+    if (is_own(p)) pairs.push_back(p);
+  });
+  std::sort(pairs.begin(), pairs.end());
 }
 
-/// So that there is less and less of them as bonds are made.
-std::vector<SelectedPairs> in_pieces(const SelectedPairs& whole) {
-  constexpr std::size_t at_once = 1 << 17;
-  std::vector<SelectedPairs> pieces;
-  for (std::size_t first = 0; first < whole.pairs.size(); first += at_once) {
-    const auto begin = whole.pairs.begin() + static_cast<std::ptrdiff_t>(first);
-    const auto size = static_cast<std::ptrdiff_t>(std::min(at_once, whole.pairs.size() - first));
-    pieces.push_back({{begin, begin + size}, {}});
+/// Adds the numbers that own bonds of a set have in the whole body, the first bond of which is this one.
+void add_names(const SetOfPairs& set, const PerParticle<char>& own, BondId first, PerBond<BondId>& names) {
+  names.reserve(names.size() + set.selected.pairs.size() * set.cells);
+  for (const ParticleId p : own.ids()) {
+    const std::size_t bonds = set.of_first[p] * set.cells;
+    for (std::size_t k = 0; k < bonds && own[p] != 0; ++k) names.push_back(BondId{first.value + k});
+    first.value += static_cast<std::uint32_t>(bonds);
   }
-  return pieces;
+}
+
+/// A bond by which another process can make it, too.
+struct NamedBond {
+  BondId name;
+  std::uint32_t set, cell;
+  Pair pair;
+};
+
+Bond made(const NamedBond& named, const Case& c, const Model& model, const State& state) {
+  BondRecipe recipe = c.bonds[named.set].recipe;
+  recipe.set = named.set;
+  const auto [i, j] = sites_of({{named.pair}, {}}, 0, model, state);
+  return *make_bond(recipes_of(recipe)[named.cell], i, j);
+}
+
+/// Whether a bond has a law or rules that none of these has.
+bool is_of_new_kind(const Bond& b, const std::vector<Bond>& kinds) {
+  return std::none_of(kinds.begin(), kinds.end(), [&b](const Bond& k) { return k.law == b.law; }) ||
+         std::none_of(kinds.begin(), kinds.end(), [&b](const Bond& k) { return k.rules == b.rules; });
+}
+
+/// The first bonds of each law and of all rules, and of the first pair: of the whole body.
+void add_first_ones(const Case& c, const std::vector<SetOfPairs>& sets, const Model& model,
+                    const State& state, BondsFromSetUp& bonds) {
+  std::vector<NamedBond> mine;
+  std::vector<Bond> kinds;
+  std::size_t of_set = 0;  // before this one
+  std::uint32_t last_set = 0;
+  for (const BondId k : state.bonds.ids()) {
+    const Bond& b = state.bonds[k];
+    if (std::exchange(last_set, b.set) != b.set) of_set = k.value;
+    const bool is_new = is_of_new_kind(b, kinds);
+    if (is_new) kinds.push_back(b);
+    if (is_new || bonds.part.names[k].value == 0)
+      mine.push_back({bonds.part.names[k],
+                      b.set,
+                      static_cast<std::uint32_t>((k.value - of_set) % sets[b.set].cells),
+                      {b.i, b.j, b.image_j}});
+  }
+  std::vector<NamedBond> all = bonds.all->gather(mine);
+  std::sort(all.begin(), all.end(), [](const NamedBond& a, const NamedBond& b) { return a.name < b.name; });
+  for (const NamedBond& named : all) {
+    const Bond b = made(named, c, model, state);
+    if (is_of_new_kind(b, bonds.kinds)) bonds.kinds.push_back(b);
+  }
+  if (all.empty()) return;
+  for (NamedBond first = all.front(); first.cell < sets[first.set].cells; ++first.cell)
+    bonds.first.push_back(made(first, c, model, state));
+}
+
+/// Books what all processes have, in the order of the bonds of the whole body.
+void book_in_order(const std::vector<UnbookedBond>& own, const BondsFromSetUp& bonds, EnergyBooks& books) {
+  if (!bonds.all->any(!own.empty())) return;
+  constexpr std::size_t at_once = 1 << 16;
+  auto next = own.begin();
+  for (std::size_t last = at_once; last < bonds.whole + at_once; last += at_once) {
+    std::vector<UnbookedBond> some;  // with names
+    for (; next != own.end() && bonds.part.names[next->bond].value < last; ++next)
+      some.push_back({bonds.part.names[next->bond], next->energy});
+    some = bonds.all->gather(some);
+    std::sort(some.begin(), some.end(),
+              [](const UnbookedBond& a, const UnbookedBond& b) { return a.bond < b.bond; });
+    for (const UnbookedBond& b : some) book(b.energy, books);
+  }
 }
 
 }  // namespace
@@ -66,63 +185,70 @@ bool may_keep_own_bonds(const Case& c) {
   });
 }
 
-BondKeeper::BondKeeper(const std::vector<ParticleId>& own, std::size_t particles, const Communicator& all)
-    : is_own_(particles, 0) {
-  for (const ParticleId p : own) is_own_[p] = 1;
-  bonds_.part.own_alone = true;
-  bonds_.all = &all;
+PerParticle<char> slice_of(const PerParticle<Vec3d>& r, const Communicator& all) {
+  constexpr std::size_t bins = 1 << 14;
+  const BoundingBox box = box_around(r);
+  const Vec3d size = box.high - box.low;
+  int axis = 0;
+  for (int k = 1; k < 3; ++k)
+    if (component(size, k) > component(size, axis)) axis = k;
+  const double low = component(box.low, axis), width = component(size, axis);
+  const auto bin_of = [&](ParticleId p) {
+    const double x = width > 0.0 ? (component(r[p], axis) - low) / width : 0.0;
+    return std::min(bins - 1, static_cast<std::size_t>(x * static_cast<double>(bins)));
+  };
+  std::vector<std::size_t> in_bin(bins, 0);
+  for (const ParticleId p : r.ids()) ++in_bin[bin_of(p)];
+  std::vector<char> is_own(bins, 0);
+  const auto ranks = static_cast<std::size_t>(all.ranks()), rank = static_cast<std::size_t>(all.rank());
+  std::size_t before = 0;
+  for (std::size_t bin = 0; bin < bins; before += in_bin[bin++])
+    is_own[bin] = (2 * before + in_bin[bin]) * ranks / (2 * std::max<std::size_t>(1, r.size())) == rank;
+  PerParticle<char> own(r.size(), 0);
+  for (const ParticleId p : r.ids()) own[p] = is_own[bin_of(p)];
+  return own;
 }
 
-std::size_t BondKeeper::expect(std::span<const SelectedPairs> pieces, std::size_t bonds_of_each) {
-  std::size_t kept = 0, all = 0;
-  for (const SelectedPairs& piece : pieces)
-    for (const Pair& p : piece.pairs) kept += is_own_[p.i] != 0 ? bonds_of_each : 0, all += bonds_of_each;
-  bonds_.part.names.reserve(bonds_.part.names.size() + kept);
-  bonds_.others.reserve(bonds_.others.size() + all - kept);
-  return kept + 1;
-}
-
-void BondKeeper::look_at_last(State& state) {
-  const BondId name{bonds_.bonds()}, last{state.bonds.size() - 1};
-  const Bond& b = state.bonds[last];
-  const bool is_of_first =
-      bonds_.first.empty() || (name.value == bonds_.first.size() && b.set == bonds_.first[BondId{0}].set &&
-                               b.i == bonds_.first[BondId{0}].i && b.j == bonds_.first[BondId{0}].j &&
-                               b.image_j == bonds_.first[BondId{0}].image_j);
-  if (is_of_first) bonds_.first.push_back(b);
-  if (differs_in_law(b, bonds_.kinds) || differs_in_rules(b, bonds_.kinds)) bonds_.kinds.push_back(b);
-  any_history_ = any_history_ || !state.bond_history.empty();
-  if (is_own_[b.i] != 0) {
-    bonds_.part.names.push_back(name);
-    return;
-  }
-  bonds_.add_other(b);
-  keep_bonds(state, last.value);
-  state.bond_history.resize(std::min<std::size_t>(state.bond_history.size(), last.value));
-}
-
-BondsFromSetUp BondKeeper::finish(State& state) && {
-  if (any_history_) state.bond_history.resize(state.bonds.size(), no_history);
-  return std::move(bonds_);
-}
-
-BondsFromSetUp make_own_bonds(const Case& c, const Model& model, State& state, const KeepOwnBonds& processes,
-                              Problems& problems, SharedCells& shared) {
-  std::vector<SelectedPairs> sets;
-  for (std::size_t set = 0; set < c.bonds.size(); ++set)
-    sets.push_back(select_pairs(c, set, model, state, problems, shared, sets));
+void throw_if_any_has(const Problems& problems, const Communicator& all) {
+  if (!all.any(!problems.none())) return;
   problems.throw_if_any();
-  processes.meet();
-  const ToCome to_come = bonds_of(c, sets, state);
-  BondKeeper keeper(processes.spread(model, state, to_come.of_first, std::sqrt(to_come.longest2)),
-                    model.particles(), processes.all);
+  throw CaseError(Problem{{}, "another process has found a mistake", "", ""});
+}
+
+BondsFromSetUp make_own_bonds(const Case& c, const Model& model, State& state, const PerParticle<char>& slice,
+                              const KeepOwnBonds& processes, Problems& problems, SharedCells& shared) {
+  const Communicator& all = processes.all;
+  std::vector<SetOfPairs> sets = select_in_slice(c, model, state, slice, problems, shared);
+  throw_if_any_has(problems, all);
+  ToCome to_come = count(c, sets, state, all);
+  BondsFromSetUp bonds;
+  bonds.all = &all;
+  bonds.part.own_alone = true;
+  bonds.whole = to_come.bonds;
+  bonds.bonds = std::move(to_come.of_each);
+  bonds.own.assign(model.particles(), 0);
+  for (const ParticleId p : processes.spread(model, state, to_come.of_first, std::sqrt(to_come.longest2)))
+    bonds.own[p] = 1;
+  to_come.of_first = {};
+  std::size_t first = 0;
+  for (SetOfPairs& set : sets) {
+    send_to_owners(set.selected.pairs, bonds.own, all);
+    add_names(set, bonds.own, BondId{first}, bonds.part.names);
+    for (const std::uint32_t pairs : set.of_first) first += pairs * set.cells;
+    set.of_first = {};
+  }
+  state.bonds.reserve(bonds.part.names.size());
+  std::vector<UnbookedBond> unbooked;
   for (std::size_t set = 0; set < sets.size(); ++set) {
-    std::vector<SelectedPairs> pieces = in_pieces(sets[set]);
-    sets[set] = {};
-    make_bonds(c, set, model, state, std::move(pieces), problems, keeper);
+    const auto of_set = make_some_bonds(c, set, model, state, sets[set].selected, problems);
+    unbooked.insert(unbooked.end(), of_set.begin(), of_set.end());
+    sets[set].selected = {};
   }
-  problems.throw_if_any();
-  return std::move(keeper).finish(state);
+  throw_if_any_has(problems, all);
+  if (all.any(!state.bond_history.empty())) state.bond_history.resize(state.bonds.size(), no_history);
+  book_in_order(unbooked, bonds, state.books);
+  add_first_ones(c, sets, model, state, bonds);
+  return bonds;
 }
 
 }  // namespace vbond

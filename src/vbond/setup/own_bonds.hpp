@@ -1,8 +1,6 @@
 #pragma once
-#include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <span>
 #include <vector>
 
 #include "vbond/case/case.hpp"
@@ -33,28 +31,17 @@ struct KeepOwnBonds {
       spread;
 };
 
-/// Of the bonds of the whole body, which are made one by one in their order, keeps own ones.
-class BondKeeper {
- public:
-  BondKeeper(const std::vector<ParticleId>& own, std::size_t particles, const Communicator& all);
+/// Particles in slices across the longest direction of the body, of about as many for each process: those of
+/// this one. All processes find the same slices.
+PerParticle<char> slice_of(const PerParticle<Vec3d>& r, const Communicator& all);
 
-  /// Makes room for so many bonds of each of these pairs, some in each piece; returns how many of them a
-  /// state will have at once: those that are kept, and one that is not.
-  std::size_t expect(std::span<const SelectedPairs> pieces, std::size_t bonds_of_each);
-  /// Gives the last bond of the state, which is the next of the body, its name; takes it away if it is not to
-  /// be kept.
-  void look_at_last(State& state);
-  /// When all bonds have been made.
-  BondsFromSetUp finish(State& state) &&;
+/// Selects the pairs of this slice, spreads the particles by the pairs of all, and makes own bonds. Throws
+/// CaseError on all processes where one finds a mistake, or where a set has no pair at all: the whole body is
+/// then to be looked at.
+BondsFromSetUp make_own_bonds(const Case& c, const Model& model, State& state, const PerParticle<char>& slice,
+                              const KeepOwnBonds& processes, Problems& problems, SharedCells& shared);
 
- private:
-  PerParticle<char> is_own_;
-  BondsFromSetUp bonds_;
-  bool any_history_ = false;
-};
-
-/// Selects the pairs of all sets, spreads the particles by them, then makes all bonds and keeps own ones.
-BondsFromSetUp make_own_bonds(const Case& c, const Model& model, State& state, const KeepOwnBonds& processes,
-                              Problems& problems, SharedCells& shared);
+/// Throws CaseError if one of these processes has found problems.
+void throw_if_any_has(const Problems& problems, const Communicator& all);
 
 }  // namespace vbond

@@ -110,8 +110,9 @@ bool PairSelection::lacks_radii(const char* key) {
 
 std::vector<Pair> PairSelection::near_pairs(const BondReach& reach, const std::string& within,
                                             const char* key) {
-  std::vector<Pair> pairs = pairs_in_memory(reach, within);
-  if (pairs.empty() && spec.when == BondTime::start) {
+  const bool of_some = some != nullptr && !spec.faces.only;  // cells are those of all particles
+  std::vector<Pair> pairs = pairs_in_memory(reach, within, of_some ? some : nullptr);
+  if (pairs.empty() && spec.when == BondTime::start && !of_some) {
     std::string nearest = "none within 16 times that distance";
     const double R = mean_radius();
     for (double d = 2.0; d <= 16.0 && pairs.empty(); d *= 2.0) {
@@ -157,9 +158,11 @@ double PairSelection::mean_radius() const {
 
 /// Refuses more than memory holds before it holds them: a distance in a wrong unit joins everything to
 /// everything.
-std::vector<Pair> PairSelection::pairs_in_memory(const BondReach& reach, const std::string& within) const {
+std::vector<Pair> PairSelection::pairs_in_memory(const BondReach& reach, const std::string& within,
+                                                 const PerParticle<char>* of_some) const {
   const double limit = memory_limit(), most = limit / static_cast<double>(sizeof(Pair) + sizeof(Bond));
   try {
+    if (of_some != nullptr) return pairs_within(model, state, reach, in_a, in_b, most, *of_some);
     return pairs_within(model, state, reach, in_a, in_b, most);
   } catch (const std::length_error&) {
     throw CaseError(

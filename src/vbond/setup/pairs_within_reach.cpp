@@ -62,6 +62,77 @@ std::vector<Pair> pairs_within(const Model& model, const State& state, const Bon
   return pairs;
 }
 
+namespace {
+
+/// Particles, and images of them, that may be within reach of some.
+struct Candidates {
+  std::vector<Vec3d> r;
+  std::vector<ParticleId> of;
+  std::vector<Image> image;   // none of an open body
+  std::size_t particles = 0;  // come first
+};
+
+Candidates candidates_near(const Model& model, const State& state, const PerParticle<char>& some,
+                           double reach) {
+  const double farthest = reach * (1.0 + 1e-9);  // more than rounding of sums of reaches
+  Candidates near;
+  BoundingBox box;
+  if (state.cell.empty()) {
+    for (const ParticleId p : state.r.ids())
+      if (some[p] != 0) box.add(state.r[p]);
+    for (const ParticleId p : state.r.ids())
+      if (box.is_near(state.r[p], farthest)) near.r.push_back(state.r[p]), near.of.push_back(p);
+    near.particles = near.of.size();
+    return near;
+  }
+  const NearImages all = near_images(state.cell, model.cell.periodic, state.r.values(), reach);
+  for (std::size_t k = 0; k < all.points; ++k)
+    if (some[ParticleId{k}] != 0) box.add(all.r[k]);
+  for (std::size_t k = 0; k < all.r.size(); ++k) {
+    if (!box.is_near(all.r[k], farthest)) continue;
+    near.particles += k < all.points ? 1 : 0;
+    near.r.push_back(all.r[k]), near.of.push_back(ParticleId{all.of[k]}), near.image.push_back(all.image[k]);
+  }
+  return near;
+}
+
+}  // namespace
+
+std::vector<Pair> pairs_within(const Model& model, const State& state, const BondReach& reach,
+                               const std::vector<char>& in_a, const std::vector<char>& in_b, double most,
+                               const PerParticle<char>& some) {
+  const bool by_size = reach.factor > 0.0;
+  double R = 0.0;
+  for (const double radius : model.radius) R = std::max(R, radius);
+  const Candidates near = candidates_near(model, state, some, reach(R, R));
+  std::vector<double> sizes(near.r.size(), 0.0);
+  for (std::size_t k = 0; by_size && k < sizes.size(); ++k) {
+    const double radius = model.radius[near.of[k]];
+    sizes[k] = 0.5 * (reach(radius, radius) - reach.distance);
+  }
+  SizedPoints points(sizes, reach.distance);
+  points.sort(near.r);
+  std::vector<Pair> pairs;
+  const auto look = [&](std::size_t p, std::size_t q) {
+    const ParticleId i = near.of[p], j = near.of[q];
+    const Image n = near.image.empty() ? Image{} : near.image[q] - near.image[p];
+    const bool is_found_elsewhere = q < near.particles ? j <= i : i > j || (i == j && n < Image{});
+    if (is_found_elsewhere || !((in_a[i.value] && in_b[j.value]) || (in_a[j.value] && in_b[i.value]))) return;
+    const double d2 = norm2(between(near.r[p], near.r[q]));
+    if (by_size ? d2 < sq(sizes[p] + sizes[q] + reach.distance) : d2 <= sq(reach.distance)) {
+      if (static_cast<double>(pairs.size()) >= most) throw std::length_error("too many pairs");
+      pairs.push_back({i, j, n});
+    }
+  };
+  for (std::size_t p = 0; p < near.particles; ++p)
+    if (some[near.of[p]] != 0)
+      points.scan_near(p, [&](const CellGrid::Point* first, const CellGrid::Point* last) {
+        for (; first != last; ++first) look(p, first->i);
+      });
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
 const packing::VoronoiCells& SharedCells::of(const Model& model, const State& state,
                                              const std::vector<Vec3d>& r, const std::vector<double>& radius,
                                              double margin) {

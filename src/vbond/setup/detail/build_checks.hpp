@@ -6,8 +6,10 @@
 /// What may be wrong with a body that build() has made of a case; mistakes go to problems.
 namespace vbond {
 
-/// Two centres closer than 1e-9 of the body's size are one place: no direction could be told from them.
-void check_distinct(const Case& c, const Model& model, Problems& problems);
+/// Two centres closer than 1e-9 of the body's size are one place: no direction could be told from them. some:
+/// it is enough to look at pairs of which one of these is the lower number; null: at all.
+void check_distinct(const Case& c, const Model& model, const State& state, const PerParticle<char>* some,
+                    Problems& problems);
 
 /// Contacts need radii.
 void check_contact(const Case& c, const Model& model, Problems& problems);

@@ -32,7 +32,8 @@ struct PairSelection {
   SharedCells& shared;
   std::vector<char> in_a, in_b;
   std::unordered_map<Pair, std::uint32_t, HashOfPair> bonded;  ///< by which set
-  const char* way_out = "use a number in that range";          ///< where there is no such particle
+  const PerParticle<char>* some = nullptr;  ///< first particles of pairs that are wanted; null: all
+  const char* way_out = "use a number in that range";  ///< where there is no such particle
 
   bool joins_groups(ParticleId i, ParticleId j) const {
     return (in_a[i.value] && in_b[j.value]) || (in_a[j.value] && in_b[i.value]);
@@ -42,7 +43,9 @@ struct PairSelection {
   /// Of crossings also where they are.
   SelectedPairs select() {
     if (const auto* at = std::get_if<AtCrossings>(&spec.select.value)) return crossings(at->gap);
-    return {std::visit(*this, spec.select.value), {}};
+    SelectedPairs selected{std::visit(*this, spec.select.value), {}};
+    if (some != nullptr) std::erase_if(selected.pairs, [this](const Pair& p) { return (*some)[p.i] == 0; });
+    return selected;
   }
   std::vector<Pair> operator()(const WithinDistance& within);
   std::vector<Pair> operator()(const WithinGap& within);
@@ -70,7 +73,8 @@ struct PairSelection {
   double apart(const Pair& p) const;
   const char* unit_of_apart() const;
   double mean_radius() const;
-  std::vector<Pair> pairs_in_memory(const BondReach& reach, const std::string& within) const;
+  std::vector<Pair> pairs_in_memory(const BondReach& reach, const std::string& within,
+                                    const PerParticle<char>* of_some = nullptr) const;
   void refuse_none_brought(std::size_t brought, std::optional<std::int64_t> type,
                            const std::set<std::int64_t>& types);
   void refuse_across_boundary(const AcrossBoundary& b);
