@@ -43,9 +43,10 @@ PresentContacts present_contacts(const Model& model, const BodyPart& body, const
   for_touching_pairs(model, body, bodies, [&](ParticleId i, ParticleId j, const Image&, double overlap) {
     add(i, overlap), add(j, overlap);
   });
-  if (body.shares_pairs())
-    body.all.sum({found.number.data(), found.number.size()}),
-        body.all.max({found.overlap.data(), found.overlap.size()});
+  if (body.shares_pairs()) {
+    body.all.sum({found.number.data(), found.number.size()});
+    body.all.max({found.overlap.data(), found.overlap.size()});
+  }
   for (const auto& [c, touching, history] : fibre_touches(model, state)) {
     if (!c.body) continue;
     const double overlap = touching.overlap;
