@@ -233,7 +233,7 @@ void StaticBody::relieve() {
   if (load_factor_ == 1.0) return;
   Relief relief{unbalanced() / (1.0 - load_factor_)};
   constexpr double rounding = 1e-9;  // of the largest force: ten times what a balance may leave
-  for (Eigen::Index k = 0; k < relief.forces.size(); ++k)
+  for (int k = 0; k < unknowns_.size(); ++k)
     if (unknowns_.is_turn(k)) relief.turns |= std::abs(relief.forces[k]) > rounding * loads_at_hand().largest;
   relieve(std::move(relief));
 }
