@@ -238,6 +238,11 @@ void StaticBody::relieve() {
   relieve(std::move(relief));
 }
 
+double StaticBody::relief_here() const {
+  if (!is_relieved()) return 0.0;
+  return (1.0 - load_factor_) * max_norm(relief_.forces) / loads_at_hand().largest;
+}
+
 StaticBody::Relief StaticBody::relieve(Relief relief) {
   Relief before = std::exchange(relief_, std::move(relief));
   placed();

@@ -100,7 +100,8 @@ class LoadSteps {
   }
 
   /// False where there is none near by, or only one with more bonds that have snapped over. If steps have
-  /// become so short that there is no other way one is looked for far off as well.
+  /// become so short that there is no other way one is looked for far off as well, and then without the
+  /// relief.
   bool find_balance(Way& way) {
     const bool last_resort = step_ < 1e-4 * longest_;
     outcome_ = settle(last_resort ? Reach::far : Reach::near);
@@ -118,15 +119,15 @@ class LoadSteps {
     return vbond::settle(body_, solver_, body_.stage().newton, hooks_.interrupted, result_.iterations, reach);
   }
 
-  /// Where nothing bears the body together with what is left of the relief, it is let go without: under the
-  /// loads alone, from the last balance. The relief is no load. It keeps its direction, and may push on for
-  /// ever what has come off the place where it was in balance. False: there is none left, or the body comes
-  /// to no balance.
+  /// The last resort: drops the relief and looks for a balance again, from the last one on. The relief is no
+  /// load. It keeps its direction, and may push for ever what has come off the place where it was in balance.
+  /// False: no relief is left, or there is no balance without it either.
   bool let_go(Way& way) {
     constexpr int patience = 5;  // what comes off goes far
-    if (!body_.is_relieved()) return false;
+    constexpr double felt = 10;  // times what a balance may leave
     const NewtonOutcome before = outcome_;
     body_.restore(way.from);
+    if (!(body_.relief_here() > felt * body_.stage().newton.tolerance)) return false;
     StaticBody::Relief relief = body_.relieve({});
     const Vector stays = Vector::Zero(body_.unknowns().size());
     const double now = body_.load_factor(), mark = next_mark();
@@ -145,6 +146,7 @@ class LoadSteps {
       body_.relieve(std::move(relief));
       return false;
     }
+    step_ = larger(step_, step);
     judge();
     jumped_ = way.jumped = true;
     tell(fmt::format(
