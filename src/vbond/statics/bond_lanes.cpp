@@ -1,9 +1,8 @@
 #include "vbond/statics/detail/bond_lanes.hpp"
 
-#include <functional>
-
 #include "vbond/model/bond_law.hpp"
 #include "vbond/physics/bond_rules.hpp"
+#include "vbond/statics/detail/kernel_of_sets.hpp"
 
 namespace vbond {
 
@@ -17,25 +16,18 @@ extern const BondLaneKernel kernel;
 namespace bond_lanes_avx512 {
 extern const BondLaneKernel kernel;
 }
+constexpr KernelOfSets<BondLaneKernel> bond_lanes_kernels{
+    &bond_lanes_baseline::kernel, &bond_lanes_avx2::kernel, &bond_lanes_avx512::kernel};
+#else
+constexpr KernelOfSets<BondLaneKernel> bond_lanes_kernels{&bond_lanes_baseline::kernel};
 #endif
 
 const BondLaneKernel* bond_lane_kernel(int number) {
-  if (number == 0) return &bond_lanes_baseline::kernel;
-#if defined(VBOND_VECTOR_KERNELS)  // each set asks for what CMakeLists.txt compiles it with
-  if (number == 1 && __builtin_cpu_supports("avx2")) return &bond_lanes_avx2::kernel;
-  if (number == 2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-      __builtin_cpu_supports("avx512vl"))
-    return &bond_lanes_avx512::kernel;
-#endif
-  return nullptr;
+  return bond_lanes_kernels.of(number);
 }
 
 const BondLaneKernel& bond_lane_kernel() {
-  static const BondLaneKernel& best = [] {
-    int number = 0;
-    while (bond_lane_kernel(number + 1) != nullptr) ++number;
-    return std::cref(*bond_lane_kernel(number));
-  }();
+  static const BondLaneKernel& best = bond_lanes_kernels.best();
   return best;
 }
 

@@ -1,8 +1,8 @@
 #include "vbond/statics/detail/single_factor.hpp"
 
 #include <algorithm>
-#include <functional>
 
+#include "vbond/statics/detail/kernel_of_sets.hpp"
 #include "vbond/statics/detail/pulse.hpp"
 #include "vbond/statics/detail/single_kernel.hpp"
 
@@ -18,25 +18,18 @@ extern const SingleKernel kernel;
 namespace single_avx512 {
 extern const SingleKernel kernel;
 }
+constexpr KernelOfSets<SingleKernel> single_kernels{&single_baseline::kernel, &single_avx2::kernel,
+                                                    &single_avx512::kernel};
+#else
+constexpr KernelOfSets<SingleKernel> single_kernels{&single_baseline::kernel};
 #endif
 
 const SingleKernel* single_kernel(int number) {
-  if (number == 0) return &single_baseline::kernel;
-#if defined(VBOND_VECTOR_KERNELS)  // each set asks for what CMakeLists.txt compiles it with
-  if (number == 1 && __builtin_cpu_supports("avx2")) return &single_avx2::kernel;
-  if (number == 2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-      __builtin_cpu_supports("avx512vl"))
-    return &single_avx512::kernel;
-#endif
-  return nullptr;
+  return single_kernels.of(number);
 }
 
 const SingleKernel& single_kernel() {
-  static const SingleKernel& best = [] {
-    int number = 0;
-    while (single_kernel(number + 1) != nullptr) ++number;
-    return std::cref(*single_kernel(number));
-  }();
+  static const SingleKernel& best = single_kernels.best();
   return best;
 }
 
