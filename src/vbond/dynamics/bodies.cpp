@@ -51,7 +51,7 @@ void Bodies::write(State& s) const {
   tops.write(s, order);
 }
 
-Loads Bodies::collect(const std::vector<LoadRow>& from) const {
+Loads Bodies::collect(const LargeArray<LoadRow>& from) const {
   Loads l{order.column<Vec3d>(), order.column<Vec3d>()};
   for (Row k{0}; k.value < order.own; ++k.value) {
     l.F[order.particle[k]] = from[k.value].F;
@@ -60,7 +60,7 @@ Loads Bodies::collect(const std::vector<LoadRow>& from) const {
   return l;
 }
 
-void Bodies::spread(const Loads& l, std::vector<LoadRow>& to) const {
+void Bodies::spread(const Loads& l, LargeArray<LoadRow>& to) const {
   for (Row k{0}; k.value < order.own; ++k.value) {
     const Vec3d &F = l.F[order.particle[k]], &M = l.M[order.particle[k]];
     if (!is_finite(F)) continue;  // of what has just come in

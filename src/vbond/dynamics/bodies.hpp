@@ -2,6 +2,7 @@
 #include <span>
 #include <vector>
 
+#include "vbond/core/large_array.hpp"
 #include "vbond/core/tensor.hpp"
 #include "vbond/dynamics/order.hpp"
 #include "vbond/dynamics/rows.hpp"
@@ -24,8 +25,8 @@ struct Bodies {
   /// and where its ghosts are.
   void read(const State& state);
   void write(State& state) const;
-  Loads collect(const std::vector<LoadRow>& loads) const;
-  void spread(const Loads& loads, std::vector<LoadRow>& to) const;
+  Loads collect(const LargeArray<LoadRow>& loads) const;
+  void spread(const Loads& loads, LargeArray<LoadRow>& to) const;
 
   /// From one particle to another, which may touch or be measured.  [length]
   Vec3d between(Row i, Row j) const { return vbond::between(pose[i.value], pose[j.value]); }
@@ -47,13 +48,13 @@ struct Bodies {
   Tops::Rows turning() { return {pose, motion}; }
 
   Order order;
-  std::vector<PoseRow> pose;
-  std::vector<MotionRow> motion;
-  std::vector<LoadRow> load;
-  std::vector<MotionRow> rates;        ///< motion half a step ago, for bonds that read it; else empty
-  std::vector<LoadRow> damping;        ///< the part of the loads that damps, if any bond does; else empty
-  std::vector<LoadRow> local_damping;  ///< the part of these that is local, if bonds damp as well; else empty
-  std::vector<InverseInertia> inverse;
+  LargeArray<PoseRow> pose;
+  LargeArray<MotionRow> motion;
+  LargeArray<LoadRow> load;
+  LargeArray<MotionRow> rates;        ///< motion half a step ago, for bonds that read it; else empty
+  LargeArray<LoadRow> damping;        ///< the part of the loads that damps, if any bond does; else empty
+  LargeArray<LoadRow> local_damping;  ///< the part of these that is local, if bonds damp as well; else empty
+  LargeArray<InverseInertia> inverse;
   std::vector<double> mass;     ///< [mass]
   std::vector<double> inertia;  ///< of a top the least of its three  [mass*length^2]
   Tops tops;

@@ -280,7 +280,7 @@ void BondPacks::remove(BondId bond) {
 BondHistory BondPacks::history(BondId bond) const {
   BondHistory history{};
   const auto at = std::lower_bound(known_.begin(), known_.end(), Lane{bond});
-  const std::vector<double>& numbers = at->compact ? compact_.history : full_.history;
+  const LargeArray<double>& numbers = at->compact ? compact_.history : full_.history;
   for (std::size_t n = 0; n < at->law->history.size(); ++n)
     history[n] = numbers[at->history + n * pack_bonds];
   return history;
@@ -289,7 +289,7 @@ BondHistory BondPacks::history(BondId bond) const {
 void BondPacks::put_history(BondId bond, const BondHistory& history) {
   const auto [first, last] = std::equal_range(known_.begin(), known_.end(), Lane{bond});
   for (auto at = first; at != last; ++at) {
-    std::vector<double>& numbers = at->compact ? compact_.history : full_.history;
+    LargeArray<double>& numbers = at->compact ? compact_.history : full_.history;
     for (std::size_t n = 0; n < at->law->history.size(); ++n)
       numbers[at->history + n * pack_bonds] = history[n];
   }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "vbond/core/communicator.hpp"
+#include "vbond/core/large_array.hpp"
 #include "vbond/dynamics/bond_pack.hpp"
 #include "vbond/dynamics/order.hpp"
 #include "vbond/dynamics/rows.hpp"
@@ -87,10 +88,10 @@ class BondPacks {
   };
   template <class P>
   struct Store {
-    std::vector<P> packs;
+    LargeArray<P> packs;
     std::vector<PackLanes> lanes;
-    std::vector<BondId> bond;             // of each lane
-    mutable std::vector<double> history;  // run by run, of those whose law remembers; moved on by a sweep
+    std::vector<BondId> bond;            // of each lane
+    mutable LargeArray<double> history;  // run by run, of those whose law remembers; moved on by a sweep
     void reserve(std::size_t n) { packs.reserve(n), lanes.reserve(n), bond.reserve(n * pack_bonds); }
     PackRun<P> run(const Run& r, const BondType* type) const {
       return {&packs[r.first], &lanes[r.first], r.count, type, history.data() + r.first_history, {}};

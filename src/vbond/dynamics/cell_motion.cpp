@@ -103,7 +103,7 @@ CellMotion::Virial CellMotion::virial(const Team& team, const Tensor& L) const {
     double mass = 0;
   };
   std::vector<Sums> of_block(team.blocks());
-  const std::vector<LoadRow>& local =
+  const LargeArray<LoadRow>& local =
       bodies_.local_damping.empty() && stage_.local_damping > 0.0 ? bodies_.damping : bodies_.local_damping;
   team.for_blocks([&](const Block& b) {
     Sums& sum = of_block[b.index];

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "vbond/core/large_array.hpp"
 #include "vbond/core/sized_points.hpp"
 #include "vbond/dynamics/contact_kernel.hpp"
 #include "vbond/dynamics/rows.hpp"
@@ -77,7 +78,7 @@ class NeighbourList {
   double room_ = 0;             // no particle has moved half the skin before one has moved so far  [length]
   std::vector<Vec3d> r_built_;  // positions at the last rebuild  [length]
   std::vector<std::size_t> start_, end_;  // of each row, in neighbours_
-  std::vector<Row> neighbours_;
+  LargeArray<Row> neighbours_;
   std::int64_t rebuilds_ = 0;
 
   // Used by a rebuild only, kept for its memory.

@@ -194,7 +194,7 @@ double Simulation::drift(const Block& b, double h) {
 
 void Simulation::clear_loads(const Block& b) {  // all at once: std::fill goes row by row
   static_assert(std::is_trivially_copyable_v<LoadRow>);
-  const auto clear = [&b](std::vector<LoadRow>& rows) {
+  const auto clear = [&b](LargeArray<LoadRow>& rows) {
     std::memset(static_cast<void*>(&rows[b.rows.first]), 0, (b.rows.last - b.rows.first) * sizeof(LoadRow));
   };
   clear(bodies_.load);

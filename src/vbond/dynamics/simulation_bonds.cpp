@@ -304,7 +304,7 @@ void Simulation::take_out(const Broken& broken) {
   const ParticleId i = broken.event.i, j = broken.event.j;
   if (const auto k = part_bonds_.find(broken.event.bond); k && !broken.parted)
     state_.bonds[*k].mode = broken.event.cause.mode;
-  const auto take = [&](std::vector<LoadRow>& load, const BondLoads<double>& loads) {
+  const auto take = [&](LargeArray<LoadRow>& load, const BondLoads<double>& loads) {
     take_away(loads, load[bodies_.order.row[i].value], load[bodies_.order.row[j].value]);
     for (const ParticleId p : {i, j})
       if (!bodies_.order.has(p)) load[bodies_.order.row[p].value] = {};
@@ -322,7 +322,7 @@ void Simulation::take_out(const Broken& broken) {
 /// velocities before, which are kept as rates, and after. Local damping acts on what particles move beside
 /// the flow of the cell, which stands for the time of the kick.
 void Simulation::book_damping(const Block& b, double h, const Tensor& flow) {
-  const auto taken_by = [&](const std::vector<LoadRow>& loads) {
+  const auto taken_by = [&](const LargeArray<LoadRow>& loads) {
     if (loads.empty()) return 0.0;
     return -0.5 * h * kernel_.twice_power(b.rows, loads.data(), bodies_.rates.data(), bodies_.motion.data());
   };
@@ -331,7 +331,7 @@ void Simulation::book_damping(const Block& b, double h, const Tensor& flow) {
   lose(b.index, Loss::local_damping, local);
   lose(b.index, Loss::bond_damping, all - local);
   if (!cell_.any() || !damping_.is_local()) return;
-  const std::vector<LoadRow>& loads = bonds_.damp() ? bodies_.local_damping : bodies_.damping;
+  const LargeArray<LoadRow>& loads = bonds_.damp() ? bodies_.local_damping : bodies_.damping;
   for (std::size_t k = b.rows.first; k < std::min(b.rows.last, bodies_.order.own); ++k)
     lose(b.index, Loss::local_damping, h * dot(loads[k].F, vbond::times(flow, bodies_.pose[k].r)));
 }

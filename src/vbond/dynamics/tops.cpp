@@ -59,7 +59,7 @@ void Tops::for_each(SomeTops& tops, RowRange rows, F f) {
     f(*t);
 }
 
-void Tops::kick(RowRange rows, double h, const std::vector<LoadRow>& load, const Rows& bodies) {
+void Tops::kick(RowRange rows, double h, const LargeArray<LoadRow>& load, const Rows& bodies) {
   for_each(tops_, rows, [&](Top& top) {
     const Quatd& q = bodies.pose[top.row].q;
     Vec3d& omega = bodies.motion[top.row].omega;
@@ -138,8 +138,8 @@ double Tops::energy_with(std::size_t row, const PoseRow& pose, const Vec3d& omeg
   return rotation_energy(top.inertia.moments, top.principal(pose.q), omega);
 }
 
-double Tops::energy(RowRange rows, Turns least, const std::vector<PoseRow>& pose,
-                    const std::vector<MotionRow>& motion) const {
+double Tops::energy(RowRange rows, Turns least, const LargeArray<PoseRow>& pose,
+                    const LargeArray<MotionRow>& motion) const {
   double sum = 0.0;
   for_each(tops_, rows, [&](const Top& top) {
     if (top.turns() >= least)

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "vbond/core/large_array.hpp"
 #include "vbond/dynamics/order.hpp"
 #include "vbond/dynamics/rows.hpp"
 #include "vbond/model/model.hpp"
@@ -21,8 +22,8 @@ class Tops {
  public:
   /// Columns of the rows that it moves.
   struct Rows {
-    std::vector<PoseRow>& pose;
-    std::vector<MotionRow>& motion;
+    LargeArray<PoseRow>& pose;
+    LargeArray<MotionRow>& motion;
   };
 
   Tops(const Model& model, const Order& order);
@@ -38,7 +39,7 @@ class Tops {
   void hold(const std::vector<Support>& supports, const Order& order);
 
   /// L += h M, and omega with it.
-  void kick(RowRange rows, double h, const std::vector<LoadRow>& load, const Rows& bodies);
+  void kick(RowRange rows, double h, const LargeArray<LoadRow>& load, const Rows& bodies);
   /// Drag b over h, solved exactly for each principal axis; returns the energy that goes.
   double slow_down(RowRange rows, double h, double b, const Rows& bodies);
   /// To be called before the kernels' drift, and put_turned after it: free tops turn for h without torque.
@@ -53,8 +54,8 @@ class Tops {
 
   enum class Turns { freely, about_one_axis, as_held };
   /// Kinetic energy of the rotation of tops that are held at least so much.
-  double energy(RowRange rows, Turns least, const std::vector<PoseRow>& pose,
-                const std::vector<MotionRow>& motion) const;
+  double energy(RowRange rows, Turns least, const LargeArray<PoseRow>& pose,
+                const LargeArray<MotionRow>& motion) const;
 
  private:
   struct Top {

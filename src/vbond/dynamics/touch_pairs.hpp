@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "vbond/core/large_array.hpp"
 #include "vbond/dynamics/bodies.hpp"
 #include "vbond/dynamics/kernel.hpp"
 #include "vbond/dynamics/neighbours.hpp"
@@ -72,7 +73,7 @@ class TouchPairs {
   const Order& order_;
   const StepKernel& kernel_;
   TouchForms forms_;
-  std::vector<TouchRow> row_;
+  LargeArray<TouchRow> row_;
   std::vector<std::uint32_t> material_;  // of each row; empty: there is one
   std::uint32_t materials_ = 1;
   std::vector<TouchNumbers<double>> numbers_;  // of each pair of materials
@@ -80,22 +81,22 @@ class TouchPairs {
   bool keeps_overlap_;
 
   std::vector<std::size_t> start_;  // of each row, in the pairs that it is first of
-  std::vector<Row> second_;
-  std::vector<SlipRow> slip_;
-  std::vector<MomentRow> rolling_;  // as moment_ empty without a form of rolling
-  std::vector<double> kept_;        // overlap that is not felt; empty: contacts feel all
+  LargeArray<Row> second_;
+  LargeArray<SlipRow> slip_;
+  LargeArray<MomentRow> rolling_;  // as moment_ empty without a form of rolling
+  LargeArray<double> kept_;        // overlap that is not felt; empty: contacts feel all
   std::vector<OfBlock> of_block_;
-  std::vector<PairLoadRow> load_;  // of each slot, as moment_ and touching_
-  std::vector<MomentRow> moment_;
+  LargeArray<PairLoadRow> load_;  // of each slot, as moment_ and touching_
+  LargeArray<MomentRow> moment_;
   std::vector<std::uint8_t> touching_;
   std::vector<std::size_t> as_second_start_;  // of each row, in the pairs that it is second of
   std::vector<std::size_t> as_second_;        // slots of those, in order of their first rows
   // Before the last listing, kept for their memory.
   std::vector<std::size_t> old_start_;
-  std::vector<Row> old_second_;
-  std::vector<SlipRow> old_slip_;
-  std::vector<MomentRow> old_rolling_;
-  std::vector<double> old_kept_;
+  LargeArray<Row> old_second_;
+  LargeArray<SlipRow> old_slip_;
+  LargeArray<MomentRow> old_rolling_;
+  LargeArray<double> old_kept_;
 };
 
 }  // namespace vbond

@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "vbond/core/large_array.hpp"
 #include "vbond/statics/detail/matrix.hpp"
 
 namespace vbond {
@@ -58,7 +59,8 @@ class BlockedFactor {
   FactorBlocks blocks_;
   std::vector<std::size_t> at_;
   std::vector<int> block_of_, rank_;  // of a column; of an unknown in the order of elimination
-  std::vector<double> L_, D_;
+  LargeArray<double> L_;
+  std::vector<double> D_;
   std::vector<int> place_;                // scratch: of a row within the present block
   std::vector<double> scaled_, product_;  // scratch
   int zero_pivot_ = -1;

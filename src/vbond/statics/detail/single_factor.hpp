@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "vbond/core/large_array.hpp"
 #include "vbond/statics/detail/blocked_factor.hpp"
 #include "vbond/statics/detail/matrix.hpp"
 
@@ -29,7 +30,7 @@ class SingleFactor {
 
   FactorBlocks blocks_;
   std::vector<Strip> strips_;
-  std::vector<float> L_;
+  LargeArray<float> L_;
   int stride_ = 0;  // of a column in what a block needs at a time
 };
 
