@@ -167,6 +167,9 @@ VBOND_HD void work_out(const TouchRule& rule, const TouchTable& table, Together&
   }
 }
 
+/// What pairs remember is read as they come, and so many pairs ahead memory is asked for it.
+constexpr std::size_t pairs_ahead = 24;
+
 /// Two that do not touch: whether they hold on to each other. What they remember is lost if not.
 bool still_touch(const TouchRule& rule, const TouchTable& table, std::size_t i, std::size_t k,
                  const PoseRow* pose, const MotionRow* motion, double dt, TouchLosses<double>& parted) {
@@ -225,10 +228,12 @@ TouchSums touch_pairs(const TouchRule& rule, const TouchTable& table, RowRange r
   LossesOfPairs lost;
   TouchLosses<double> parted;
   Together together;
+  const std::size_t last = table.start[rows.last];
   for (std::size_t i = rows.first; i < rows.last; ++i) {
     const Vec3d r_i = pose[i].r;
     const double R_i = rule.row[i].R;
     for (std::size_t k = table.start[i]; k < table.start[i + 1]; ++k) {
+      __builtin_prefetch(table.slip + (k + pairs_ahead < last ? k + pairs_ahead : last), 1);
       const std::uint32_t j = table.second[k].value;
       const Vec3d r_ij = between(r_i, pose[j].r);
       const double distance2 = r_ij.x * r_ij.x + r_ij.y * r_ij.y + r_ij.z * r_ij.z,

@@ -100,6 +100,7 @@ namespace detail {
 /// By what a vector of this size is multiplied so that it is not larger than the limit.
 template <Scalar T>
 VBOND_HD T scale_to(const T& size, const T& limit) {
+  if (!any_greater(size, limit)) return T(1.0);
   return where_greater(size, limit, limit * inverse(size), T(1.0));
 }
 
@@ -154,33 +155,48 @@ VBOND_HD T left_of_slip(TangentialForm form, const T& k_before, const T& k) {
 
 }  // namespace detail
 
-/// Slip over u = v_t dt: the force of a spring that turns with the contact, falls with its stiffness and
-/// slides at the limit, and damping as long as it sticks. Adds to the history and to what is lost.
+/// What friction does in a step: its elastic and its damping part on i, and what it takes.
 template <Scalar T>
-VBOND_HD void slip(const TouchForms& f, const TouchNumbers<T>& c, const Vec3<T>& n, const Vec3<T>& v_t,
-                   const T& c_n, const T& limit, const T& spin, const T& dt, const TouchHistory<T>& before,
-                   TouchLoads<T>& to) {
+struct Slip {
+  Vec3<T> F_t, F_d;  ///< [force]
+  T lost;            ///< [energy]
+};
+
+/// Slip over u = v_t dt: the force of a spring that turns with the contact, falls with its stiffness and
+/// slides at the limit, and damping as long as it sticks. F_n: the damping part of the normal force.
+template <Scalar T>
+VBOND_HD Slip<T> slip(const TouchForms& f, const TouchNumbers<T>& c, const Vec3<T>& n, const Vec3<T>& v_t,
+                      const T& c_n, const Vec3<T>& F_n, const T& limit, const T& spin, const T& dt,
+                      const T& a, const TouchHistory<T>& before) {
   const T half(0.5), one(1.0), zero(0.0);
-  TouchHistory<T>& h = to.history;
   const Vec3<T> u = dt * v_t;
-  const T k_t = tangential_stiffness(f, c, h.a), k_before = tangential_stiffness(f, c, before.a);
+  const T k_t = tangential_stiffness(f, c, a), k_before = tangential_stiffness(f, c, before.a);
   const Vec3<T> turned = detail::turned_with(before.F_t, n, spin);
   const Vec3<T> trial = detail::left_of_slip(f.tangential, k_before, k_t) * turned + k_t * u;
   const T size = norm(trial);
-  h.F_t = where_greater(dt, zero, detail::scale_to(size, limit), one) * trial;
-  const Vec3<T> damped = h.F_t + (c.tangential_damping * c_n) * v_t;
-  const Vec3<T> sticking = detail::scale_to(norm(damped), limit) * damped - h.F_t;
-  h.F_d = h.F_d + where_greater(size, limit, zero, one) * sticking;
-  to.lost.friction = half * dot(turned + h.F_t, u) + half * (norm2(before.F_t) * detail::inverse(k_before) -
-                                                             norm2(h.F_t) * detail::inverse(k_t));
+  const Vec3<T> F_t = where_greater(dt, zero, detail::scale_to(size, limit), one) * trial;
+  const Vec3<T> damped = F_t + (c.tangential_damping * c_n) * v_t;
+  const Vec3<T> sticking = detail::scale_to(norm(damped), limit) * damped - F_t;
+  return {F_t, F_n + where_greater(size, limit, zero, one) * sticking,
+          half * dot(turned + F_t, u) +
+              half * (norm2(before.F_t) * detail::inverse(k_before) - norm2(F_t) * detail::inverse(k_t))};
 }
+
+/// What resistance to rolling and twisting does in a step, and what it takes.
+template <Scalar T>
+struct Rolling {
+  Vec3<T> M_r;  ///< on i  [force*length]
+  T M_t;        ///< on i, about n  [force*length]
+  T k_r;        ///< [force*length]
+  T lost;       ///< [energy]
+};
 
 /// Rolling at w = w_j - w_i: moments against its parts across the normal and along it.
 template <Scalar T>
-VBOND_HD void roll(const TouchForms& f, const TouchNumbers<T>& c, const Touching<T>& p, const T& pressing,
-                   const T& spin, const T& dt, const TouchHistory<T>& before, TouchLoads<T>& to) {
+VBOND_HD Rolling<T> roll(const TouchForms& f, const TouchNumbers<T>& c, const Touching<T>& p,
+                         const T& pressing, const T& spin, const T& dt, const T& a,
+                         const TouchHistory<T>& before) {
   const T half(0.5), one(1.0), zero(0.0);
-  TouchHistory<T>& h = to.history;
   const Vec3<T> w = p.w_j - p.w_i;
   const T w_n = dot(w, p.n), limit_r = c.rolling * p.R * pressing, limit_t = c.twisting * p.R * pressing;
   const Vec3<T> rolling = across(w, p.n);
@@ -189,23 +205,22 @@ VBOND_HD void roll(const TouchForms& f, const TouchNumbers<T>& c, const Touching
     const Vec3<T> M = detail::scale_to(stop * norm(rolling), limit_r) * (stop * rolling);
     const T M_n = stop * w_n, M_t = detail::scale_to(larger(M_n, -M_n), limit_t) * M_n;
     const auto in_step = [&](const T& now, const T& then) { return where_greater(dt, zero, now, then); };
-    h.M_r = {in_step(M.x, before.M_r.x), in_step(M.y, before.M_r.y), in_step(M.z, before.M_r.z)};
-    h.M_t = in_step(M_t, before.M_t);
-    to.lost.rolling = half * dt * (dot(before.M_r + h.M_r, rolling) + (before.M_t + h.M_t) * w_n);
-  } else {
-    h.k_r = where_greater(c.rolling_stiffness, zero, c.rolling_stiffness,
-                          tangential_stiffness(f, c, h.a) * sq(p.R));
-    const T relief = where_greater(before.k_r, h.k_r, h.k_r * detail::inverse(before.k_r), one);
-    const Vec3<T> turned = detail::turned_with(before.M_r, p.n, spin);
-    const Vec3<T> trial = relief * turned + (h.k_r * dt) * rolling;
-    h.M_r = where_greater(dt, zero, detail::scale_to(norm(trial), limit_r), one) * trial;
-    const T twist = relief * before.M_t + h.k_r * dt * w_n;
-    h.M_t = where_greater(dt, zero, detail::scale_to(larger(twist, -twist), limit_t), one) * twist;
-    to.lost.rolling = half * dt * (dot(turned + h.M_r, rolling) + (before.M_t + h.M_t) * w_n) +
-                      half * ((norm2(before.M_r) + sq(before.M_t)) * detail::inverse(before.k_r) -
-                              (norm2(h.M_r) + sq(h.M_t)) * detail::inverse(h.k_r));
+    const Vec3<T> M_r{in_step(M.x, before.M_r.x), in_step(M.y, before.M_r.y), in_step(M.z, before.M_r.z)};
+    const T twist = in_step(M_t, before.M_t);
+    return {M_r, twist, zero, half * dt * (dot(before.M_r + M_r, rolling) + (before.M_t + twist) * w_n)};
   }
-  to.M = h.M_r + h.M_t * p.n;
+  const T k_r =
+      where_greater(c.rolling_stiffness, zero, c.rolling_stiffness, tangential_stiffness(f, c, a) * sq(p.R));
+  const T relief = where_greater(before.k_r, k_r, k_r * detail::inverse(before.k_r), one);
+  const Vec3<T> turned = detail::turned_with(before.M_r, p.n, spin);
+  const Vec3<T> trial = relief * turned + (k_r * dt) * rolling;
+  const Vec3<T> M_r = where_greater(dt, zero, detail::scale_to(norm(trial), limit_r), one) * trial;
+  const T twist = relief * before.M_t + k_r * dt * w_n;
+  const T M_t = where_greater(dt, zero, detail::scale_to(larger(twist, -twist), limit_t), one) * twist;
+  return {M_r, M_t, k_r,
+          half * dt * (dot(turned + M_r, rolling) + (before.M_t + M_t) * w_n) +
+              half * ((norm2(before.M_r) + sq(before.M_t)) * detail::inverse(before.k_r) -
+                      (norm2(M_r) + sq(M_t)) * detail::inverse(k_r))};
 }
 
 /// One step of a contact: from what the bodies remember of the step before, and their motion of the half step
@@ -217,6 +232,7 @@ VBOND_HD TouchLoads<T> touch(const TouchForms& f, const TouchNumbers<T>& c, cons
                              const TouchHistory<T>& before) {
   using std::sqrt;
   const T zero(0.0), half(0.5);
+  const Vec3<T> nothing{zero, zero, zero};
   const NormalForce<T> N = normal_force(f, c, p.R, p.overlap);
   const T v_n = dot(p.v, p.n), c_n = c.viscous + c.damping * sqrt(p.m * N.secant);
   T F_n = N.F - c_n * v_n;
@@ -225,20 +241,21 @@ VBOND_HD TouchLoads<T> touch(const TouchForms& f, const TouchNumbers<T>& c, cons
 
   const Vec3<T> v = p.v - cross(p.l_i * p.w_i + p.l_j * p.w_j, p.n);  // of j's surface against i's
   const T spin = half * dt * dot(p.w_i + p.w_j, p.n);
-  TouchLoads<T> to;
-  TouchHistory<T>& h = to.history;
-  h.a = N.a;
-  h.F_d = (N.F - F_n) * p.n;
-  if (f.tangential != TangentialForm::none)
-    slip(f, c, p.n, across(v, p.n), c_n, c.friction * pressing, spin, dt, before, to);
-  to.lost.damping = half * dt * dot(before.F_d + h.F_d, v);
-  to.F = h.F_t + h.F_d - N.F * p.n;
+  const Vec3<T> damped = (N.F - F_n) * p.n;
+  const Slip<T> s = f.tangential == TangentialForm::none ? Slip<T>{nothing, damped, zero}
+                                                         : slip(f, c, p.n, across(v, p.n), c_n, damped,
+                                                                c.friction * pressing, spin, dt, N.a, before);
+  const Rolling<T> r = f.rolling == RollingForm::none ? Rolling<T>{nothing, zero, zero, zero}
+                                                      : roll(f, c, p, pressing, spin, dt, N.a, before);
+  T adhesion = zero;
   if (f.adhesion != AdhesionForm::none) {  // what surfaces gain as they meet does not come back
     const T gained = normal_energy(f, c, p.R, p.overlap) + half * N.F * v_n * dt;
-    to.lost.adhesion = -where_greater(before.a, zero, zero, gained);
+    adhesion = -where_greater(before.a, zero, zero, gained);
   }
-  if (f.rolling != RollingForm::none) roll(f, c, p, pressing, spin, dt, before, to);
-  return to;
+  return {s.F_t + s.F_d - N.F * p.n,
+          r.M_r + r.M_t * p.n,
+          {s.F_t, N.a, s.F_d, r.k_r, r.M_r, r.M_t},
+          {half * dt * dot(before.F_d + s.F_d, v), s.lost, r.lost, adhesion}};
 }
 
 /// The least restitution that damping_of_restitution() takes: what is stiffer damped hardly moves any more.
