@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 
 #include "vbond/core/bounding_box.hpp"
@@ -161,11 +162,34 @@ void compare_masses(const Case& c, const Model& model, const State& state,
   }
 }
 
+/// A restitution asks for damping at each contact, by the mass of the whole clump.
+void find_clumps_that_damp(const Case& c, const Model& model, Lines& lines) {
+  const auto materials = static_cast<std::uint32_t>(std::max<std::size_t>(1, model.materials.size()));
+  bool damps = false;
+  for (std::uint32_t a = 0; a < materials; ++a)
+    for (std::uint32_t b = 0; b <= a; ++b)
+      damps = damps || touch_numbers(model.contact, model.materials, b, a).damping > 0.0;
+  const auto is_clump = [](const SupportSpec& s) {
+    const auto held = std::count(s.held.begin(), s.held.begin() + 3, true);
+    return s.rigid && static_cast<std::size_t>(held) + s.along.size() < 3;
+  };
+  for (const StageSpec& stage : c.stages) {
+    if (!damps || is_static(stage.kind)) continue;
+    if (std::none_of(stage.supports.begin(), stage.supports.end(), is_clump)) continue;
+    lines.push_back(
+        "a restitution is met where a rigid group that is free touches at one place; at n places alike at "
+        "once "
+        "it is damped sqrt(n) times as much (docs/contacts.md, which mass counts)");
+    return;
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> remarks(const Case& c, const Model& model, const State& state) {
   Lines lines;
   compare_meshes(c, model, state, lines);
+  find_clumps_that_damp(c, model, lines);
   if (state.bonds.empty()) return lines;
   const PerParticle<std::size_t> bonds = bonds_of_particles(model, state);
   compare_lengths(c, state, lines);

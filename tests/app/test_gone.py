@@ -79,6 +79,16 @@ duration = 1.0
 """
 
 
+LIGHT_ONE = """specimen = [{name = "light", kind = "list", positions = [[0.5, 0.5, 0.5]], radius = 0.1, mass = 1.0},
+            {kind = "block", cells = [4, 4, 4], radius = 0.3, mass = 1e12}]
+"""
+
+
+def test_a_light_first_grain_is_not_the_scale_of_the_others():  # by its mass alone the balance was off by 1.5e-5
+    vbond("run", write("light.toml", GRAINS, (r"^specimen.*\n", LIGHT_ONE)), "-o", "light")
+    assert max(abs(row["balance_error"]) for row in table("light")) < 1e-12
+
+
 @pytest.mark.parametrize("sink, there", [
     ("", 64), ('sink = [{box = {min = [1.5, 1.5, 1.5], max = [2.5, 2.5, 2.5]}, every = 0.05, stages = ["still"]}]\n', 63)])
 def test_grains_that_only_follow_their_cell_have_neither_energy_nor_stress(sink, there):

@@ -241,6 +241,8 @@ TEST(BondFrame, ShowsWhatHasBecomeOfABondThatFlows) {
   EXPECT_NEAR(value("axial_flow"), 0.15, 1e-14);
   EXPECT_NEAR(value("axial_force"), 0.05, 1e-14);
   EXPECT_EQ(value("creep"), 0.0);
+  EXPECT_NEAR(value("length_at_rest"), 0.8, 1e-14);  // as it was made
+  EXPECT_NEAR(value("elongation"), 1.0 - (0.8 + value("plastic_elongation")), 1e-14);
   EXPECT_NEAR(value("plastic_bend"), 0.05 * 180 / M_PI, 1e-13);
   EXPECT_NEAR(value("plastic_twist"), -0.1 * 180 / M_PI, 1e-13);
   EXPECT_NEAR(value("torsion_flow"), 0.5 * 180 / M_PI, 1e-13);

@@ -146,6 +146,20 @@ TEST(Voronoi, VolumesOfFewInRoundVesselsAddUp) {
   }
 }
 
+/// The plane between them is the end of a prism with 400 sides, so that it takes all of the outer one's cell:
+/// voro++ crashed.
+TEST(Voronoi, OfAnOuterOneBehindAFaceWithManyCornersHasNoVolume) {
+  constexpr int sides = 400;
+  VoronoiSpace space;
+  space.corner = {-2, -2, -2}, space.edges = {Vec3d{4, 0, 0}, Vec3d{0, 4, 0}, Vec3d{0, 0, 4}};
+  for (int k = 0; k < sides; ++k)
+    space.planes.push_back({{std::cos(2 * pi * k / sides), std::sin(2 * pi * k / sides), 0}, 1});
+  space.planes.push_back({{0, 0, 1}, 0}), space.planes.push_back({{0, 0, -1}, 1});
+  const VoronoiCells cells = voronoi_cells(space, {{0, 0, 0.25}, {0, 0, -0.25}}, {0.1, 0.1});
+  EXPECT_EQ(cells.volume[0], 0.0);
+  EXPECT_NEAR(cells.volume[1], sides * std::tan(pi / sides), 1e-13);
+}
+
 TEST(Voronoi, OneParticleFarFromAllOthersChangesNothing) {
   Dice dice(7);
   std::vector<Vec3d> r;

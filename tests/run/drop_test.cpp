@@ -76,6 +76,32 @@ TEST(Drop, WhatASupportHoldsStays) {
   EXPECT_THROW(both.run.run(), Diverged);
 }
 
+// A ball has passed through a floor that moves up, and another one lies on it. What the first exerted on the
+// floor in its last step is gone with it: it was in the history, and did work in the next step.
+TEST(Drop, ADroppedParticlePressesOnNoWall) {
+  Specimen s = testing::particles_at({{0, 0, 0.2}, {5, 0, 0.49}}, 0.5);
+  s.model.contact = testing::linear(1.0, 0.0);
+  s.model.walls = {{"floor", PlaneWall{{0, 0, 0}, {0, 0, 1}}, 0, {}}};
+  s.state.v[ParticleId{0}] = {0, 0, -15};
+  Stage stage = dropping(0.02, 1.0);
+  stage.walls = {testing::drive("floor", 0)};
+  stage.walls[0].velocity = {0, 0, 0.1};
+  Watched w(s, stage);
+  while (w.run.current().dropped.empty()) w.run.step(1);
+  ASSERT_EQ(w.run.current().dropped, std::vector<ParticleId>{ParticleId{0}});
+  const auto pressed = [&] {  // by the ball that lies there, as deep as it is
+    const State now = w.run.state();
+    return now.walls[0].displacement.z + 0.5 - now.r[ParticleId{1}].z;
+  };
+  const State before = w.run.state();
+  const double was = pressed();
+  EXPECT_NEAR(before.walls[0].force.z, -was, 1e-15);
+  w.run.step(1);
+  // a wall of a given velocity does work by the mean of its forces at both ends of the step
+  EXPECT_NEAR(w.run.state().walls[0].work - before.walls[0].work, 0.5 * 0.02 * 0.1 * (was + pressed()),
+              1e-15);
+}
+
 // After a step nothing would find the others any more: through a wall they are on the side where they are
 // pushed on.
 TEST(Drop, AllThatAreLostInOneStep) {

@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <map>
 #include <set>
 #include <stdexcept>
 #include <tuple>
@@ -148,25 +147,23 @@ TEST(PackingBonds, OfSomeParticlesAreThoseOfAllWithSuchAFirstOne) {
 }
 
 TEST(PackingBonds, WhereSizesDifferAGapTellsWhatADistanceCannot) {
+  const auto pairs = [](const std::string& by) { return pairs_of(build(of_two_sizes(by + stiff))); };
   // gaps: .1 of the large ones, 0 of large and small (touching), .05 of the small ones
-  EXPECT_EQ(pairs_of(build(of_two_sizes("gap = 0\n" + stiff))), (PairList{{0, 2}}));
-  EXPECT_EQ(pairs_of(build(of_two_sizes("gap = 0.06\n" + stiff))), (PairList{{0, 2}, {2, 3}}));
-  EXPECT_EQ(pairs_of(build(of_two_sizes("gap = 0.11\n" + stiff))), (PairList{{0, 1}, {0, 2}, {2, 3}}));
+  EXPECT_EQ(pairs("gap = 0\n"), (PairList{{0, 2}}));
+  EXPECT_EQ(pairs("gap = 0.06\n"), (PairList{{0, 2}, {2, 3}}));
+  EXPECT_EQ(pairs("gap = 0.11\n"), (PairList{{0, 1}, {0, 2}, {2, 3}}));
   // in parts of the radii: 1.025, 1, 1.025
-  EXPECT_EQ(pairs_of(build(of_two_sizes("gap_factor = 1.02\n" + stiff))), (PairList{{0, 2}}));
-  EXPECT_EQ(pairs_of(build(of_two_sizes("gap_factor = 1.026\n" + stiff))),
-            (PairList{{0, 1}, {0, 2}, {2, 3}}));
-  EXPECT_EQ(pairs_of(build(of_two_sizes("gap = 0.11\nbetween = [\"large\", \"small\"]\n" + stiff))),
-            (PairList{{0, 2}}));
+  EXPECT_EQ(pairs("gap_factor = 1.02\n"), (PairList{{0, 2}}));
+  EXPECT_EQ(pairs("gap_factor = 1.026\n"), (PairList{{0, 1}, {0, 2}, {2, 3}}));
+  EXPECT_EQ(pairs("gap = 0.11\nbetween = [\"large\", \"small\"]\n"), (PairList{{0, 2}}));
 }
 
 TEST(PackingBonds, SelectionsThatCannotBeAreRefusedWithTheWayOut) {
   const std::string bare =
       "[[specimen]]\nname = \"bare\"\nkind = \"list\"\npositions = [[9, 9, 9]]\nmass = 1\ninertia = 1\n";
   const std::string error = mistake_of("gap = 0.1\n" + stiff, bare);
-  EXPECT_TRUE(
-      contains(error, "case.toml:21:1: bonds \"b\": gap: particle 4 of specimen \"bare\" has radius 0"))
-      << error;
+  EXPECT_PRED2(contains, error,
+               "case.toml:21:1: bonds \"b\": gap: particle 4 of specimen \"bare\" has radius 0");
   EXPECT_TRUE(contains(error, "give the specimen a radius, or select by distance")) << error;
   EXPECT_EQ(mistake_of("gap = 0.1\nbetween = [\"small\", \"small\"]\n" + stiff, bare), "");
   const std::string none = mistake_of("gap = 0.01\nbetween = [\"large\", \"large\"]\n" + stiff);
@@ -182,6 +179,11 @@ TEST(PackingBonds, SelectionsThatCannotBeAreRefusedWithTheWayOut) {
 }
 
 // ---- those whose Voronoi cells meet ----------------------------------------------------------------
+
+/// The body of a case that is given without a stage.
+Built built(const std::string& text) {
+  return build(parse_case(text + still, "case.toml"));
+}
 
 /// How many bonds each particle has.
 std::vector<int> bonds_of(const Built& b) {
@@ -203,9 +205,8 @@ TEST(PackingBonds, OfLatticesMeetThoseThatTheirPolyhedraDo) {
   // within 1.6 spacings there are more: 18 of sc, 18 of fcc and hcp, 14 of bcc
   for (const auto& [lattice, neighbours] :
        {std::pair{"simple-cubic", 6}, std::pair{"fcc", 12}, std::pair{"hcp", 12}, std::pair{"bcc", 14}}) {
-    const Built b = build(parse_case("[[specimen]]\nkind = \"block\"\nlattice = \"" + std::string(lattice) +
-                                         "\"\ncells = [6, 5, 5]\nradius = 0.5\nmass = 1\n" + faces + still,
-                                     "case.toml"));
+    const Built b = built("[[specimen]]\nkind = \"block\"\nlattice = \"" + std::string(lattice) +
+                          "\"\ncells = [6, 5, 5]\nradius = 0.5\nmass = 1\n" + faces);
     const std::vector<int> n = bonds_of(b);
     BoundingBox box = box_around(b.state.r.values());
     int inside = 0;
@@ -232,25 +233,23 @@ TEST(PackingBonds, SliversOfShakenLatticesAreNoNeighbours) {
         for (const Vec3d& b : {Vec3d{0, 0, 0}, Vec3d{0, 0.5, 0.5}, Vec3d{0.5, 0, 0.5}, Vec3d{0.5, 0.5, 0}})
           r.push_back(edge * (Vec3d{double(x), double(y), double(z)} + b) + dice.vector(0.01));
   const auto bonds_with = [&](const std::string& more) {
-    return build(parse_case(list_of_places(r, cell) + faces + more + still, "case.toml")).state.bonds.size();
+    return built(list_of_places(r, cell) + faces + more).state.bonds.size();
   };
   EXPECT_EQ(bonds_with(""), r.size() * 12 / 2);
   EXPECT_GT(bonds_with("least_face = 0\n"), r.size() * 13 / 2);  // near pairs of holes' corners
 }
 
 TEST(PackingBonds, WhoStandsBetweenTwoPartsThem) {
-  const std::string three = list_of_places({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, "radius = 0.5\n");
-  const auto pairs = [&](const std::string& bonds) {
-    return pairs_of(build(parse_case(three + "[[bonds]]\n" + bonds + stiff + still, "case.toml")));
-  };
-  EXPECT_EQ(pairs("distance = 2.1\n"), (PairList{{0, 1}, {0, 2}, {1, 2}}));
-  EXPECT_EQ(pairs("distance = 2.1\nneighbours = \"all\"\n"), (PairList{{0, 1}, {0, 2}, {1, 2}}));
-  EXPECT_EQ(pairs("distance = 2.1\nneighbours = \"voronoi\"\n"), (PairList{{0, 1}, {1, 2}}));
+  const std::string three =
+      list_of_places({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, "radius = 0.5\n[[bonds]]\ndistance = 2.1\n");
+  const auto pairs = [&](const std::string& choice) { return pairs_of(built(three + choice + stiff)); };
+  EXPECT_EQ(pairs(""), (PairList{{0, 1}, {0, 2}, {1, 2}}));
+  EXPECT_EQ(pairs("neighbours = \"all\"\n"), (PairList{{0, 1}, {0, 2}, {1, 2}}));
+  EXPECT_EQ(pairs("neighbours = \"voronoi\"\n"), (PairList{{0, 1}, {1, 2}}));
 }
 
 // Pair by pair, from cells that every plane has clipped.
 TEST(PackingBonds, OfRandomGrainsInASlantedCellAreThoseWithAFace) {
-  using packing::testing::FaceName;
   Dice dice(11);
   packing::VoronoiSpace space;
   space.edges = {Vec3d{5, 0, 0}, Vec3d{1.5, 4, 0}, Vec3d{-0.5, 1, 4.5}};
@@ -301,10 +300,8 @@ TEST(PackingBonds, OfFreeSurfacesAreChosenAsInside) {
        {"kind = \"sheet\"\nlattice = \"square\"\nparticles = [5, 5]\nspacing = 1\n",
         "kind = \"block\"\nlattice = \"simple-cubic\"\ncells = [4, 3, 3]\nspacing = 1\n",
         "kind = \"rod\"\nparticles = 2\nspacing = 1\n"}) {
-    const auto pairs = [&](const std::string& choice) {
-      return pairs_of(build(parse_case(head + shape + bonds + choice + stiff + still, "case.toml")));
-    };
-    EXPECT_EQ(pairs("neighbours = \"voronoi\"\n"), pairs("")) << shape;
+    const std::string all = head + shape + bonds, chosen = all + "neighbours = \"voronoi\"\n";
+    EXPECT_EQ(pairs_of(built(chosen + stiff)), pairs_of(built(all + stiff))) << shape;
   }
 }
 
@@ -317,7 +314,7 @@ TEST(PackingBonds, WithFacesDoNotDependOnSetsBeforeThem) {
            stiff;
   };
   const auto pairs = [&](const std::string& sets) {
-    PairList list = pairs_of(build(parse_case(sheet + sets + still, "case.toml")));
+    PairList list = pairs_of(built(sheet + sets));
     std::sort(list.begin(), list.end());
     return list;
   };
@@ -344,7 +341,7 @@ const std::string block =
     "[[specimen]]\nkind = \"block\"\nlattice = \"fcc\"\ncells = [6, 6, 6]\nradius = 0.5\nmass = 1\n";
 
 PairList share_of_block(const std::string& selection) {
-  return pairs_of(build(parse_case(block + "[[bonds]]\n" + selection + stiff + still, "case.toml")));
+  return pairs_of(built(block + "[[bonds]]\n" + selection + stiff));
 }
 
 TEST(PackingBonds, AShareIsChosenByThePairAlone) {
@@ -389,11 +386,8 @@ TEST(PackingBonds, APairHasOneNumberFromBothEnds) {
 // The factors of strength come from the same seed: a share must not leave the weak, nor the strong.
 TEST(PackingBonds, AShareLeavesStrengthsAsTheyAre) {
   const Built b =
-      build(parse_case(block + "[[bonds]]\ngap = 0.01\nshare = 0.3\n" + stiff +
-                           "strength = { criterion = \"elongation\", elongation = 0.01, weibull = { "
-                           "modulus = 1 } }\n" +
-                           still,
-                       "case.toml"));
+      built(block + "[[bonds]]\ngap = 0.01\nshare = 0.3\n" + stiff +
+            "strength = {criterion = \"elongation\", elongation = 0.01, weibull = {modulus = 1}}\n");
   double sum = 0.0;
   for (const Bond& bond : b.state.bonds) sum += strength_factor(bond);
   const double n = static_cast<double>(b.state.bonds.size());

@@ -238,6 +238,31 @@ TEST(Relief, IsDroppedWhereNothingBearsTheBodyWithIt) {
   EXPECT_NE(told_of(s, stage).find("was let go without them"), std::string::npos);
 }
 
+// Pressed onto another one by the relief a ball stands there unstably, and falls for ever once it is off. Let
+// go without the relief it is lifted to a ceiling by its load: it went back, and left no unstable balance.
+TEST(Relief, IsDroppedWhereItHoldsAnUnstableBalanceWithNoneDownhill) {
+  Specimen s = testing::particles_at({{0, 0, 0}, {0, 0, 0.98}}, 0.5);
+  s.model.contact = {.law = ContactLaw::linear, .pairs = ContactPairs::unbonded};
+  s.model.contact.k = 1.0;
+  s.model.walls = {{"ceiling", PlaneWall{{0, 0, 3}, {0, 0, -1}}, 0, {}}};
+  StaticStage stage = static_stage(StageKind::equilibrium,
+                                   {fixed({ParticleId{0}}, testing::clamped),
+                                    fixed({ParticleId{1}}, {false, true, false, false, false, false})});
+  stage.loads = {pushed(1, {0, 0, 1e-3})};
+  stage.loads[0].constant = true;
+  stage.steps = 5;
+  StaticResult result;
+  const std::string told = told_of(s, stage, &result);
+  EXPECT_NE(told.find("is unstable, and none was found downhill from it, beside the forces that were out of "
+                      "balance at the start, which fade: the body went back to load factor 0, was let go "
+                      "without them"),
+            std::string::npos)
+      << told;
+  EXPECT_TRUE(result.jumped);
+  EXPECT_FALSE(result.left_saddle);
+  EXPECT_NEAR(walk(s, stage).last().r[ParticleId{1}].z, 2.5 + 1e-3 / s.model.contact.k, 1e-9);
+}
+
 /// A grain that a bond of little strength holds on one below it, and that a support moves aside; beside them
 /// a fibre that is drawn out.
 Specimen grain_and_fibre() {

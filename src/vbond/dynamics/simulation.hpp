@@ -318,6 +318,7 @@ class Simulation final : public BodyView, private MotionHost {
   AppliedLoads applied_;
   Damping damping_;
   CellMotion cell_;
+  const double mass_in_cell_;  // of all particles, where it moves
   Bonding bonding_;
   MotionTerms terms_;
   std::vector<BlockBooks> books_;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -87,6 +88,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
       applied_(stage_, bodies_, team_),
       damping_(stage_, bodies_),
       cell_(model, stage_, bodies_, state_.cell, exchange_),
+      mass_in_cell_(cell_.any() ? std::accumulate(model.mass.begin(), model.mass.end(), 0.0) : 0.0),
       bonding_(model, stage_, bodies_.order, bond_index_, exchange_),
       terms_({model_, stage_, state_, bodies_, bonds_, team_, exchange_, booked_, *this}),
       last_stage_step_(std::isfinite(stage_.stops.duration) ? steps_in(stage_.stops.duration, stage_.dt)

@@ -16,10 +16,9 @@ namespace {
 
 /// A scale for the balance of a body that does no more than follow its cell: its energies beside the flow are
 /// rounding of velocities along it.  [energy]
-double rounding_along(const Tensor& flow, const Model& model) {
+double rounding_along(const Tensor& flow, const CellShape& cell, double mass) {
   double speed2 = 0.0;
-  for (const Vec3d& edge : model.cell.edges) speed2 += norm2(times(flow, edge));
-  const double mass = model.mass[ParticleId{0}] * static_cast<double>(model.particles());
+  for (const Vec3d& edge : cell.edges) speed2 += norm2(times(flow, edge));
   return 1e3 * std::numeric_limits<double>::epsilon() * mass * speed2;
 }
 
@@ -43,7 +42,8 @@ void Simulation::keep_records() {
     brought_in_.push_back(brought_in);
   else
     books.largest = std::max(books.largest, std::abs(brought_in));
-  if (flow() != nullptr) books.largest = std::max(books.largest, rounding_along(*flow(), model_));
+  if (flow() != nullptr)
+    books.largest = std::max(books.largest, rounding_along(*flow(), model_.cell, mass_in_cell_));
 
   if (stage_.stops.peak) {
     PeakRecord& peak = state_.peak;

@@ -129,7 +129,8 @@ void BondSlopes::at(const BodyView& body, const BalancePoint& balance, const Row
     in_->begin_stage(body);
     if (!in_->sensitivities) return;
   }
-  const StaticPoint point{body.state(), balance.load_factor, balance.kind, balance.unstable, {}, {}, {}, 0.0};
+  const StaticPoint point{body.state(), balance.load_factor, balance.kind, balance.unstable, {}, {}, {},
+                          0.0,          balance.relieved};
   std::string why;
   const auto changes = in_->sensitivities->at(
       point, [&](const StaticPoint& p) { return numbers(PointView(in_->run.model(), p)); }, why);

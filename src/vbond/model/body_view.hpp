@@ -58,6 +58,7 @@ struct BalancePoint {
   double load_factor = 0;
   PointKind kind = PointKind::regular;
   std::optional<int> unstable;  ///< negative eigenvalues of the tangent; absent: not counted
+  bool relieved = false;        ///< forces that fade with the load factor are part of it
 };
 
 /// How much of what a process has of a body is to be as of now.

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
 #include <voro++/voro++.hh>
 
 #include "vbond/core/crew.hpp"
@@ -202,6 +203,11 @@ class CellMaker {
   /// Leaves of the cell what is no farther along a vector than `times` of it; false if nothing is left, or
   /// the cell is spoilt.
   bool cut(const Vec3d& d, double times, int name) {
+    constexpr int faces_of_box = 6;
+    if (++cuts_ + faces_of_box > cell_.current_delete2_size) {
+      spoilt_ = needs_room_ = true;
+      return false;
+    }
     const int room = cell_.current_delete_size;
     const bool left =
         cell_.nplane(d.x / unit_, d.y / unit_, d.z / unit_, 2.0 * times * norm2(d) / (unit_ * unit_), name);
@@ -218,6 +224,21 @@ class CellMaker {
     return true;
   }
 
+  /// voro++ 0.4.6 reads a list that it has given away when more than 256 corners of a cell lie in a plane
+  /// that takes all of it (search_for_outside_edge). No face has more corners than there are other faces. The
+  /// list stays as large as it has once been, and grows rightly where a plane takes nothing: of a prism with
+  /// more sides, its own end.
+  void make_room() {
+    const int sides = cell_.current_delete2_size + 1;
+    cell_.init(-2, 2, -2, 2, -1, 1);
+    for (int k = 0; k < sides; ++k) {
+      const double angle = 2.0 * std::numbers::pi * k / sides;
+      cell_.nplane(std::cos(angle), std::sin(angle), 0, 2, 0);
+    }
+    cell_.nplane(0, 0, 1, 2, 0);
+    if (cell_.current_delete2_size < sides) throw std::logic_error("voro++ makes no room for corners");
+  }
+
   /// The cell of a particle; false if nothing is left of it. voro++ 0.4.6 loses its place in the list of
   /// corners that a plane cuts off when that list must grow, from 256 on, and leaves a cell that does not
   /// close. The list stays as large, so that the cell is made again.
@@ -225,6 +246,8 @@ class CellMaker {
     const double side = reach_ / unit_;
     bool left = false;
     do {
+      if (std::exchange(needs_room_, false)) make_room();
+      cuts_ = 0;
       cell_.init(-side, side, -side, side, -side, side);
       names_.clear();
       spoilt_ = false;
@@ -297,7 +320,8 @@ class CellMaker {
   const std::vector<double>& radius_;
   double unit_, reach_, largest_ = 0.0;
   voro::voronoicell_neighbor cell_;
-  bool spoilt_ = false;
+  bool spoilt_ = false, needs_room_ = false;
+  int cuts_ = 0;                    // of the cell at hand
   std::vector<VoronoiFace> names_;  // of planes that have cut
   std::vector<Bins::Near> near_;
   std::vector<double> away_;  // of the planes

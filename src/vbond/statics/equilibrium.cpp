@@ -108,7 +108,8 @@ class LoadSteps {
     if (const auto fault = body_.fault_of_terms()) outcome_.converged = false, outcome_.why = *fault;
     interrupted_ = outcome_.interrupted;
     if (interrupted_) return false;
-    if (last_resort && !outcome_.converged && !let_go(way)) {
+    if (last_resort && !outcome_.converged &&
+        !let_go(way, fmt::format("beyond load factor {:.6g} no balance was found", way.from.load_factor))) {
       if (interrupted_) return false;
       give_up_beyond(way);
     }
@@ -121,8 +122,8 @@ class LoadSteps {
 
   /// The last resort: drops the relief and looks for a balance again, from the last one on. The relief is no
   /// load. It keeps its direction, and may push for ever what has come off the place where it was in balance.
-  /// False: no relief is left, or there is no balance without it either.
-  bool let_go(Way& way) {
+  /// False: no relief is left, or there is no balance without it either. `found` is what was found with it.
+  bool let_go(Way& way, const std::string& found) {
     constexpr int patience = 5;  // what comes off goes far
     constexpr double felt = 10;  // times what a balance may leave
     const NewtonOutcome before = outcome_;
@@ -150,9 +151,9 @@ class LoadSteps {
     judge();
     jumped_ = way.jumped = true;
     tell(fmt::format(
-        "beyond load factor {:.6g} no balance was found beside the forces that were out of balance at the "
-        "start, which fade: the body was let go without them, and jumped by up to {:.3g}",
-        way.from.load_factor, distance_to_here(way.from)));
+        "{} beside the forces that were out of balance at the start, which fade: the body went back to load "
+        "factor {:.6g}, was let go without them, and jumped by up to {:.3g}",
+        found, way.from.load_factor, distance_to_here(way.from)));
     return true;
   }
 
@@ -247,12 +248,12 @@ class LoadSteps {
     for (int k = 0; k < most_tries && stability_.unstable.value_or(0) > 0; ++k) {
       if (body_.stage().at_saddle == AtSaddle::keep) break;
       if (!leave_saddle(way, may_fail)) return false;
-      result_.left_saddle = true;
     }
     return true;
   }
 
-  /// If it may not fail and does, the unstable balance is the last point.
+  /// Downhill, or back and then on without the relief. If it may not fail and does, the unstable balance is
+  /// the last point.
   bool leave_saddle(Way& way, bool may_fail) {
     const Placement saddle = body_.placement();
     const int unstable = stability_.unstable.value();
@@ -261,15 +262,17 @@ class LoadSteps {
     factored_here_ = stability_.definite;
     interrupted_ = outcome_.interrupted;
     if (interrupted_ || (!outcome_.converged && may_fail)) return false;
-    if (!outcome_.converged && let_go(way)) return true;
-    if (interrupted_) return false;
     if (!outcome_.converged) {
+      const std::string found =
+          fmt::format("the balance at load factor {:.6g} is unstable, and none was found downhill from it",
+                      saddle.load_factor);
+      if (let_go(way, found + ",")) return true;
+      if (interrupted_) return false;
       body_.restore(saddle);
       report_point(body_, PointKind::regular, unstable, hooks_, result_);
-      give_up(fmt::format(
-          "the balance at load factor {:.6g} is unstable, and none was found downhill from it: {}",
-          saddle.load_factor, outcome_.why));
+      give_up(fmt::format("{}: {}", found, outcome_.why));
     }
+    result_.left_saddle = true;
     tell(fmt::format(
         "load factor {:.6g}: the balance is unstable ({} negative eigenvalues of the tangent) and "
         "was left along its lowest mode; the next one downhill is up to {:.3g} away",

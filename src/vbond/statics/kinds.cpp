@@ -262,7 +262,8 @@ StaticPoint point_at(StaticBody& body, PointKind kind, std::optional<int> unstab
           body.energies(),
           [&body](const std::vector<ParticleId>& particles) { return body.reaction(particles); },
           body.grips(),
-          result.fracture.books.released};
+          result.fracture.books.released,
+          body.is_relieved()};
 }
 
 StaticOutcome interrupted_outcome(StaticResult result, State state) {

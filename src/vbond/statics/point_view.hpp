@@ -11,7 +11,9 @@ namespace vbond {
 class PointView final : public BodyView {
  public:
   PointView(const Model& model, const StaticPoint& point)
-      : model_(model), point_(point), balance_{point.load_factor, point.kind, point.unstable} {}
+      : model_(model),
+        point_(point),
+        balance_{point.load_factor, point.kind, point.unstable, point.relieved} {}
 
   const Model& model() const override { return model_; }
   const State& state() const override { return point_.state; }

@@ -26,6 +26,7 @@ struct StaticPoint {
   std::function<Reaction(const std::vector<ParticleId>&)> reaction;
   std::vector<GripView> grips = {};  ///< in the order of the stage's supports
   double released = 0;               ///< by the breaks of a stage of fracture so far  [energy]
+  bool relieved = false;             ///< forces that fade with the load factor are part of this balance
 };
 
 /// A small movement of all particles: how a mode looks. Scaled so that the largest translation is 1, or if

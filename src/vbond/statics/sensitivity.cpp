@@ -75,14 +75,15 @@ struct Sensitivities::Inside {
   std::unique_ptr<TangentSolver> solver;    // at the present point
   std::optional<UnsymmetricFactor> fading;  // the same, where moments fade
   Vector direction;                         // of a path, at a point where the tangent is regular
-  Vector relief;                            // of the stage, see StaticBody: as loads
+  Vector relief;                            // of the stage, see StaticBody: as loads; 0 once it is dropped
   std::vector<Vector> reliefs;              // how it changes
 
   StaticPoint point_of(const StaticBody& body, const StaticPoint& as) const {
     return {body.state(),    body.load_factor(),
             as.kind,         as.unstable,
             body.energies(), [&body](const std::vector<ParticleId>& p) { return body.reaction(p); },
-            body.grips(),    as.released};
+            body.grips(),    as.released,
+            as.relieved};
   }
 
   /// What is out of balance: forces, moments, and energies of the cell. Unknowns count by lengths of the body
@@ -127,11 +128,10 @@ struct Sensitivities::Inside {
 
   /// What supports hold of the motions at the start of the stage, and how what fades in it changes. False if
   /// what they hold does not stay as it is.
-  bool begin_at(const StaticBody& body) {
+  bool begin_at(const StaticBody& body, bool relieves) {
     const double f = body.load_factor(), length = body.unknowns().length();
     held.clear(), reliefs.clear();
     relief = Vector::Zero(body.unknowns().size());
-    const bool relieves = stage->kind == StageKind::equilibrium && f < 1.0;
     if (relieves) relief = loads_on(body) / (1.0 - f);
     for (std::size_t j = 0; j < parameters.size(); ++j) {
       Motion h = before[j];
@@ -159,6 +159,12 @@ struct Sensitivities::Inside {
     }
     first_point = false;
     return true;
+  }
+
+  /// From now on no balance has a part of what fades.
+  void drop_relief() {
+    relief.setZero();
+    for (Vector& change : reliefs) change.setZero();
   }
 
   /// Out of balance beyond what a balance may be: the body that was made anew is not the one that was in it.
@@ -303,8 +309,9 @@ std::optional<std::vector<std::vector<double>>> Sensitivities::at(const StaticPo
     why = fmt::format("stage \"{}\", load factor {:.6g}: {}", in.stage->name, point.load_factor, reason);
     return std::nullopt;
   };
-  if (in.first_point && !in.begin_at(body))
+  if (in.first_point && !in.begin_at(body, point.relieved))
     return refuse("a support holds a part of a rotation that an earlier stage has changed");
+  if (!point.relieved) in.drop_relief();  // gone at load factor 1, or the body was let go without it
   if (in.is_out_of_balance(body)) return refuse("its balance depends on more than where the particles are");
   try {
     if (!in.factor(body, point.kind)) return refuse("its tangent is singular");

@@ -119,9 +119,9 @@ class StaticBody {
   void stand_as_then(const Placement& at, const std::vector<BondId>& broken);
   /// Of such a body: where it was stopped, at an accepted balance, to the last bit.
   void go_on_from(State now, double load_factor, std::int64_t breaks, PerBond<BondHistory> remembered_before);
-  /// Whether some of that is still there.
   /// The largest force of what is left of the relief, over the largest force in the body.
   double relief_here() const;
+  /// Whether some of it is still there.
   bool is_relieved() const { return relief_.forces.size() > 0 && load_factor_ < 1.0; }
 
   /// Where the unknowns of a particle are in a placement: at its centre, or at the pivot of the rigid support

@@ -50,7 +50,11 @@ double MotionWalls::speed_kept(std::size_t w) const {
 }
 
 void MotionWalls::read(const State& s) {
+  const std::vector<WallState> worked_out = walls_;
   if (s.walls.size() == walls_.size()) walls_ = s.walls;
+  // Particles have gone from a state without loads within a stage: what presses on walls is what is left.
+  for (std::size_t w = 0; w < walls_.size() && s.loads.F.empty() && s.clock.stage_step != 0; ++w)
+    walls_[w].force = worked_out[w].force, walls_[w].moment = worked_out[w].moment;
   for (std::size_t w = 0; w < walls_.size(); ++w) {
     if (s.clock.stage_step != 0) break;
     walls_[w].servo = speed_kept(w);
