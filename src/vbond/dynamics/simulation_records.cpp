@@ -16,10 +16,10 @@ namespace {
 
 /// A scale for the balance of a body that does no more than follow its cell: its energies beside the flow are
 /// rounding of velocities along it.  [energy]
-double rounding_along(const Tensor& flow, const Model& model) {
+double rounding_along(const Tensor& flow, const Model& model, double mass_of_first) {
   double speed2 = 0.0;
   for (const Vec3d& edge : model.cell.edges) speed2 += norm2(times(flow, edge));
-  const double mass = model.mass[ParticleId{0}] * static_cast<double>(model.particles());
+  const double mass = mass_of_first * static_cast<double>(model.particles());
   return 1e3 * std::numeric_limits<double>::epsilon() * mass * speed2;
 }
 
@@ -43,7 +43,8 @@ void Simulation::keep_records() {
     brought_in_.push_back(brought_in);
   else
     books.largest = std::max(books.largest, std::abs(brought_in));
-  if (flow() != nullptr) books.largest = std::max(books.largest, rounding_along(*flow(), model_));
+  if (flow() != nullptr)
+    books.largest = std::max(books.largest, rounding_along(*flow(), model_, mass_of_first_));
 
   if (stage_.stops.peak) {
     PeakRecord& peak = state_.peak;
@@ -187,6 +188,7 @@ State& Simulation::collected() const {
   if (std::exchange(shown_, Shown::all) != Shown::all) {
     show_loads();
     if (part_bonds_.own_alone) {
+      complete_model();
       whole_.emplace(with_all_bonds(state_, part_bonds_, shared_, exchange_));
       gather_owned(*whole_, own_particles(), {}, false, exchange_);
     } else if (is_part_) {
