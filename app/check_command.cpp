@@ -50,10 +50,11 @@ void print_memory(const Case& c, const Model& model, const State& state, int ran
              bytes_in_units(total), use.per_particle, use.per_bond);
   if (ranks == 0) return;
   const bool own = may_keep_own_bonds(c);
-  fmt::print("on {} ranks       {} each: every rank holds {} (docs/ranks.md)\n", ranks,
-             bytes_in_units(memory_of_each_rank(model, state, static_cast<double>(state.bonds.size()), ranks,
-                                                own ? RanksKeep::own_bonds : RanksKeep::all_bonds)),
-             own ? "all particles, and its own bonds" : "the whole body");
+  fmt::print(
+      "on {} ranks       {} each: {} (docs/ranks.md)\n", ranks,
+      bytes_in_units(memory_of_each_rank(model, state, static_cast<double>(state.bonds.size()), ranks,
+                                         own ? RanksKeep::own_bonds : RanksKeep::all_bonds)),
+      own ? "each makes all particles, and steps its own" : "each has the whole body until a stage begins");
 }
 
 /// Bonds that may be made in the run, which no memory is told for above.

@@ -49,7 +49,7 @@ def test_check_tells_of_the_body_and_writes_nothing(monkeypatch):
         "no mistakes found", "extent           x 0 to 1, y 0 to 0, z 0 to 0", "total mass       2", "bond lengths     1 to 1"]).out
     assert re.search("^memory  +[0-9.e-]+ [KMG]iB: [0-9]+ bytes per particle, [0-9]+ per bond", said, re.M), said
     said = vbond("check ../good.toml --ranks 4").out
-    assert re.search(r"^on 4 ranks  +[0-9.e-]+ KiB each: every rank holds all particles, and its own bonds", said, re.M), said
+    assert re.search(r"^on 4 ranks  +[0-9.e-]+ MiB each: each makes all particles, and steps its own", said, re.M), said
     vbond("check ../good.toml --ranks 0", status=2)
     assert not os.listdir(), "check writes files"
 

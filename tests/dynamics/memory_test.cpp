@@ -57,26 +57,38 @@ TEST(MemoryUse, CountsTops) {
   }
 }
 
-// One rank takes what a run takes. With very many, each holds model and state of the whole body where it has
-// all bonds as the stage begins, but not the rows of particles (three of 64 bytes, four numbers and a name),
-// and of bonds not the constants (56 bytes of the rod's kind, and what a pack has besides) and the two
-// entries of the index (8 bytes each).
-TEST(MemoryUse, OfRanksIsWhatEachHoldsAsAStageBegins) {
+// One rank takes what a run takes, and what LAMMPS takes. With very many, each holds model and state of the
+// whole body where it has all bonds as the stage begins, but not the rows of particles (three of 64 bytes,
+// four numbers and a name), and of bonds not the constants (56 bytes of the rod's kind, and what a pack has
+// besides) and the two entries of the index (8 bytes each).
+TEST(MemoryUse, OfRanksIsWhatEachHoldsAsItIsMadeOrSteps) {
   constexpr std::size_t N = 1000;
   const Specimen s = straight_rod(N);
   const MemoryUse use = memory_use(s.model, s.state);
-  const double bonds = N - 1, whole = N * use.per_particle + bonds * use.per_bond;
-  for (const RanksKeep keep : {RanksKeep::all_bonds, RanksKeep::own_bonds})
-    EXPECT_DOUBLE_EQ(memory_of_each_rank(s.model, s.state, bonds, 1, keep), whole);
-  const double many = memory_of_each_rank(s.model, s.state, bonds, 1 << 20, RanksKeep::all_bonds);
+  const double bonds = N - 1, whole = N * use.per_particle + bonds * use.per_bond, atom = 110.0;
+  const auto of_each = [&](int ranks, RanksKeep keep) {
+    return memory_of_each_rank(s.model, s.state, bonds, ranks, keep);
+  };
+  const double program = of_each(1, RanksKeep::all_bonds) - whole - N * atom;
+  EXPECT_NEAR(program, 53 * 0x1p20, 1e-6);
+  EXPECT_DOUBLE_EQ(of_each(1, RanksKeep::own_bonds), of_each(1, RanksKeep::all_bonds));
+  const auto of_own = [&](int ranks) { return of_each(ranks, RanksKeep::own_bonds) / 1.05; };
+  constexpr int very_many = 1 << 20;
+  const double many = of_each(very_many, RanksKeep::all_bonds) - program;
   const double rows = N * (3 * 64.0 + 4 * 8.0 + 4.0);
   EXPECT_GT(whole - many, rows + (56.0 + 16.0) * bonds);
   EXPECT_LT(whole - many, rows + (66.0 + 16.0) * bonds);
-  // where ranks keep their own bonds, there is nothing of the others, but a name for each; and of particles
-  // of others the model alone, no state, no place of their row and of their entries of the index
-  const double half = memory_of_each_rank(s.model, s.state, bonds, 2, RanksKeep::own_bonds);
-  EXPECT_DOUBLE_EQ(whole - half,
-                   0.5 * (rows + N * (104.0 + 4.0 + 16.0) + bonds * (use.per_bond - sizeof(BondId))));
+  // where ranks keep their own bonds, they have all particles as these are made: model, state, a list of the
+  // one group, counts and marks
+  const double made = of_own(very_many) - program;
+  EXPECT_NEAR(made, N * (52.0 + 4.0 + 104.0 + 8.0 + 4.0), 1.0 + 250.0 * (1 + bonds) / very_many * N);
+  // as they step, own bonds with their names, own particles, and ghosts on three faces of a cube
+  const double quarter = N / 4.0,
+               ghosts = 3.0 * (std::pow(2.0 * quarter, 2.0 / 3.0) - std::pow(quarter, 2.0 / 3.0));
+  EXPECT_NEAR(of_own(2) - of_own(4),
+              quarter * atom + (quarter + ghosts) * (use.per_particle - 12.0 + 84.0) +
+                  0.25 * bonds * (use.per_bond + sizeof(BondId)),
+              1e-3);
 }
 
 }  // namespace

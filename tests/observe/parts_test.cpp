@@ -40,6 +40,10 @@ Specimen random_bar(unsigned seed, bool touches, bool periodic) {
   for (std::size_t k = 0; k < 288; ++k)
     r.push_back({static_cast<double>(k / 12), static_cast<double>(k % 4), static_cast<double>(k / 4 % 3)});
   Specimen s = testing::particles_at(r, 0.45);
+  for (const ParticleId p : s.model.mass.ids()) {
+    s.model.mass[p] = dice.chance(0.5) ? 1.0 : 1.25, s.model.inertia[p] = dice.chance(0.5) ? 0.5 : 0.625;
+    s.model.specimen.push_back(static_cast<std::uint32_t>(dice.below(5)));
+  }
   if (touches)
     s.model.contact = testing::linear(1.0, 0.4, 0.7), s.model.contact.pairs = ContactPairs::unbonded;
   if (touches && !periodic) s.model.walls = {testing::floor_at(-0.44)};
@@ -135,10 +139,15 @@ std::size_t particles_of(const Order& order, const State& state) {
   return static_cast<std::size_t>(std::count(known.begin(), known.end(), 1));
 }
 
-/// How many particles a state has room for.
-std::vector<std::size_t> particles_held(const State& s) {
-  return {s.v.values().capacity(), s.q.values().capacity(), s.omega.values().capacity(),
-          s.loads.F.values().capacity(), s.loads.M.values().capacity()};
+/// How many particles a state and a model have room for.
+std::vector<std::size_t> particles_held(const State& s, const Model& m) {
+  return {s.v.values().capacity(),       s.q.values().capacity(),       s.omega.values().capacity(),
+          s.loads.F.values().capacity(), s.loads.M.values().capacity(), m.mass.values().capacity(),
+          m.inertia.values().capacity(), m.specimen.values().capacity()};
+}
+
+bool have_the_same_particles(const Model& a, const Model& b) {
+  return a.mass == b.mass && a.inertia == b.inertia && a.r_0 == b.r_0 && a.specimen == b.specimen;
 }
 
 struct Seen {
@@ -194,7 +203,7 @@ TEST_P(Parts, AddUpToWhatOneProcessSeesAndCollectNothing) {
     std::vector<std::size_t> gathered(processes), gathered_whole(processes), bonds(processes);
     std::vector<std::size_t> known(processes), near(processes), has_row(processes);
     std::vector<std::vector<std::size_t>> held(processes);
-    std::vector<char> same_bonds(processes);
+    std::vector<char> same_bonds(processes), same_model(processes);
     std::vector<std::thread> threads;
     for (std::size_t k = 0; k < processes; ++k)
       threads.emplace_back([&, k] {
@@ -203,15 +212,20 @@ TEST_P(Parts, AddUpToWhatOneProcessSeesAndCollectNothing) {
         Share share = part_of_bar(s, mine, k, processes, process.images);
         known[k] = particles_of(share.order, mine);
         has_row[k] = share.order.row.held() ? share.order.row.held()->size() : s.model.particles();
-        const Simulation part(s.model, stage, &mine, std::move(share), process);
+        Model model = s.model;
+        share.model = &model;
+        const Simulation part(model, stage, &mine, std::move(share), process);
+        EXPECT_EQ(model.r_0.values().capacity(), model.mass.values().capacity());  // none across borders yet
         seen[k] = look_at(plan, part);
         gathered[k] = process.largest_gather;
         const State& here = part.part().state;
         bonds[k] = here.bonds.size();
-        held[k] = particles_held(here), near[k] = here.r.values().size();
+        held[k] = particles_held(here, model);
+        near[k] = std::max(here.r.values().size(), model.r_0.values().size());
         const State& all = part.state();
         same_bonds[k] = all.bonds == state.bonds && all.bond_history == state.bond_history &&
                         all.warm_bonds == state.warm_bonds;
+        same_model[k] = have_the_same_particles(model, s.model);
         gathered_whole[k] = process.largest_gather;
       });
     for (std::thread& t : threads) t.join();
@@ -226,6 +240,7 @@ TEST_P(Parts, AddUpToWhatOneProcessSeesAndCollectNothing) {
       for (const std::size_t n : held[k]) EXPECT_LE(n, known[k] + 1) << "seed " << seed;  // one is absent
       EXPECT_LE(near[k], s.model.particles() - (periodic ? 0u : 1u));  // with those across borders
       EXPECT_TRUE(same_bonds[k]) << "seed " << seed;
+      EXPECT_TRUE(same_model[k]) << "seed " << seed;
       EXPECT_LT(gathered[k], places) << "seed " << seed;
       EXPECT_GE(gathered_whole[k], places) << "seed " << seed;
       ASSERT_EQ(seen[k].row.size(), whole.row.size());
@@ -274,9 +289,11 @@ TEST_P(Parts, CheckpointIsThatOfTheWholeAndNobodyCollectsIt) {
       Process process(meeting, k);
       State mine = s.state;
       Share share = part_of_bar(s, mine, k, processes, process.images);
-      const Simulation part(s.model, testing::plain_stage(0.02, 1e9), &mine, std::move(share), process);
+      Model model = s.model;
+      share.model = &model;
+      const Simulation part(model, testing::plain_stage(0.02, 1e9), &mine, std::move(share), process);
       const auto write = [&](const std::filesystem::path& path) {
-        write_checkpoint(path, s.model, part.state_of_part().value(), {}, "1.2.3");
+        write_checkpoint(path, model, part.state_of_part().value(), {}, "1.2.3");
       };
       write(folder / "parts.h5");
       try {  // the others must not wait for it

@@ -16,6 +16,7 @@ Bodies::Bodies(const Model& model, Order rows_of) : order(std::move(rows_of)), t
   inertia.resize(rows);
   for (const Row k : order.particle.ids()) {
     const ParticleId p = order.particle[k];
+    if (!model.r_0.holds(p)) continue;  // in the row of all others, at which nobody looks
     pose[k.value].r = model.r_0[p];
     if (k.value >= order.own) continue;  // without mass: no loop moves it, or counts its energy
     mass[k.value] = model.mass[p];

@@ -73,18 +73,26 @@ std::vector<PlacedParticle> particles_across_borders(const Model& model, const S
     if (static_cast<int>(k) != exchange.rank() && coordinates.are_near(mine, boxes[k]))
       near_boxes.push_back(boxes[k]);
 
-  std::vector<PlacedParticle> told;
+  struct Placed {
+    ParticleId particle;
+    Vec3d r;
+  };
+  std::vector<Placed> told;
+  std::vector<Vec3d> told_first;  // in a message of its own
   for (const ParticleId p : own) {
     const std::array<double, 3> x = coordinates.of(state.r[p]);
     if (std::any_of(near_boxes.begin(), near_boxes.end(),
                     [&](const Box& b) { return coordinates.is_near(x, b); }))
-      told.push_back({p, state.r[p]});
+      told.push_back({p, state.r[p]}), told_first.push_back(model.r_0[p]);
   }
-  std::vector<PlacedParticle> across = exchange.gather(told);
-  std::erase_if(across, [&](const PlacedParticle& p) {
-    return std::binary_search(own.begin(), own.end(), p.particle) ||
-           !coordinates.is_near(coordinates.of(p.r), mine);
-  });
+  told = exchange.gather(told);
+  told_first = exchange.gather(told_first);
+  std::vector<PlacedParticle> across;
+  for (std::size_t k = 0; k < told.size(); ++k) {
+    const auto& [p, r] = told[k];
+    if (!std::binary_search(own.begin(), own.end(), p) && coordinates.is_near(coordinates.of(r), mine))
+      across.push_back({p, r, told_first[k]});
+  }
   return across;
 }
 

@@ -7,10 +7,10 @@
 
 namespace vbond {
 
-/// A particle of some part, and where it is.
+/// A particle of some part, where it is, and where it was at the start.
 struct PlacedParticle {
   ParticleId particle;
-  Vec3d r;
+  Vec3d r, r_0;
 };
 
 /// Of a body in parts, particles of other parts, and where they are, that this part may have nearer than

@@ -61,6 +61,13 @@ void for_each_owned_column(State& state, Visit visit) {
   });
 }
 
+/// Those of a model that parts may have of some particles alone.
+template <class Visit>
+void for_each_shared_column(Model& model, Visit visit) {
+  visit(model.mass), visit(model.inertia), visit(model.r_0);
+  if (!model.specimen.empty()) visit(model.specimen);
+}
+
 }  // namespace
 
 void sum_values(State& state, const Exchange& exchange) {
@@ -99,6 +106,15 @@ void gather_particles(State& state, const std::vector<ParticleId>& own, const Ex
   for_each_owned_column<ParticleId>(state, [&bring](auto& column) {
     if (!column.empty()) bring(column);
   });
+}
+
+void keep_particles(Model& model, const std::shared_ptr<const IdSet<ParticleId>>& some) {
+  for_each_shared_column(model, [&some](auto& column) { column.hold(some); });
+}
+
+void gather_particles(Model& model, const std::vector<ParticleId>& own, const Exchange& exchange) {
+  Bring<ParticleId> bring(own, exchange);
+  for_each_shared_column(model, [&bring](auto& column) { bring(column); });
 }
 
 void gather_owned(State& state, const std::vector<ParticleId>& own_particles,

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "vbond/dynamics/exchange.hpp"
+#include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
 
 /// State of a whole body in all of its parts, field by field as state_table.hpp says who knows it. All
@@ -25,6 +26,11 @@ void sum_values(State& state, const Exchange& exchange);
 void keep_particles(State& state, const std::shared_ptr<const IdSet<ParticleId>>& some);
 /// It has that of all again: each part brings what it has of its own.
 void gather_particles(State& state, const std::vector<ParticleId>& own, const Exchange& exchange);
+
+/// The same of masses, least moments of inertia, first places and specimens of a model. All else of it is
+/// still whole.
+void keep_particles(Model& model, const std::shared_ptr<const IdSet<ParticleId>>& some);
+void gather_particles(Model& model, const std::vector<ParticleId>& own, const Exchange& exchange);
 
 /// What belongs to particles and bonds, and what parts list, comes to all parts. What is this part's own has
 /// been collected from its rows. has_all_bonds: else bonds are left as they are.

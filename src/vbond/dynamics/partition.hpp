@@ -24,6 +24,9 @@ struct Share {
   bool begins = false;  ///< with it the stage begins, or goes on after a checkpoint
   /// If the state has own bonds alone already.
   std::optional<BondsFromSetUp> bonds = {};
+  /// If given, that of the simulation. It has then the particles of this part alone until somebody asks for
+  /// the whole state.
+  Model* model = nullptr;
 };
 
 /// What the processes must know of each other's particles in a stage: those that are nearer than this may

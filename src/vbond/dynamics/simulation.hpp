@@ -74,7 +74,8 @@ class Simulation final : public BodyView, private MotionHost {
   /// The same, and gives the state back if a stage cannot begin in it.
   Simulation(const Model& model, Stage stage, State* state, int threads = 1);
   /// A part of a body, whose other parts other processes step: it begins the stage, or goes on from a state
-  /// that has begun, of the whole body, and gives it back if it diverges as it begins.
+  /// that has begun, of the whole body, and gives it back if it diverges as it begins. So it does with the
+  /// model that the share may have.
   Simulation(const Model& model, Stage stage, State* state, Share share, Exchange& exchange);
   Simulation(const Model&&, Stage, State, int = 1) = delete;  // a temporary would be gone at the first step
   Simulation(const Model&&, Stage, State*, int = 1) = delete;
@@ -262,6 +263,7 @@ class Simulation final : public BodyView, private MotionHost {
   void show_own() const;
   void show_loads() const;
   State& collected() const;
+  void complete_model() const;
   State give_state();
   /// What state_ shows is no longer as of now.
   void has_changed() { shown_ = Shown::nothing, whole_.reset(); }
@@ -293,6 +295,8 @@ class Simulation final : public BodyView, private MotionHost {
 
   const StepKernel& kernel_ = step_kernel();
   const Model& model_;
+  Model* const shared_model_;  // null: the model stays whole
+  const double mass_of_all_;   // [mass]
   const Stage stage_;
   enum class Shown : std::uint8_t { nothing, own, all };  // what state_ has of places and memories as of now
   mutable State state_;
@@ -318,7 +322,6 @@ class Simulation final : public BodyView, private MotionHost {
   AppliedLoads applied_;
   Damping damping_;
   CellMotion cell_;
-  const double mass_in_cell_;  // of all particles, where it moves
   Bonding bonding_;
   MotionTerms terms_;
   std::vector<BlockBooks> books_;

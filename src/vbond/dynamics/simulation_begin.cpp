@@ -42,12 +42,15 @@ PartBonds bonds_of_part(const Model& model, const Stage& stage, Share& share, co
   return keep_own_bonds(state, order, exchange->leads(), shared);
 }
 
-/// Leaves a state what a part has of bonds and particles; those of others make room before there are rows and
-/// packs.
+/// Leaves a state what a part has of bonds and particles, and so a model that the share has; those of others
+/// make room before there are rows and packs.
 PartBonds keep_part(const Model& model, const Stage& stage, Share& share, const Exchange* exchange,
                     State& state, SharedByBonds& shared) {
   PartBonds bonds = bonds_of_part(model, stage, share, exchange, state, shared);
-  if (bonds.own_alone) keep_particles(state, particles_of_part(state, stage, share.order));
+  if (!bonds.own_alone) return bonds;
+  const auto particles = particles_of_part(state, stage, share.order);
+  keep_particles(state, particles);
+  if (share.model != nullptr) keep_particles(*share.model, particles);
   return bonds;
 }
 
@@ -71,6 +74,8 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, Share shar
 Simulation::Simulation(const Model& model, Stage stage, State* state, int threads, Share share,
                        Exchange* exchange)
     : model_(consistent(model, stage, *state, exchange != nullptr)),
+      shared_model_(share.model),
+      mass_of_all_(std::accumulate(model.mass.begin(), model.mass.end(), 0.0)),
       stage_(std::move(stage)),
       state_(std::move(*state)),
       before_hold_(take_hold(model, stage_.supports, state_)),
@@ -88,7 +93,6 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
       applied_(stage_, bodies_, team_),
       damping_(stage_, bodies_),
       cell_(model, stage_, bodies_, state_.cell, exchange_),
-      mass_in_cell_(cell_.any() ? std::accumulate(model.mass.begin(), model.mass.end(), 0.0) : 0.0),
       bonding_(model, stage_, bodies_.order, bond_index_, exchange_),
       terms_({model_, stage_, state_, bodies_, bonds_, team_, exchange_, booked_, *this}),
       last_stage_step_(std::isfinite(stage_.stops.duration) ? steps_in(stage_.stops.duration, stage_.dt)
@@ -131,6 +135,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
     before_hold_.reset();
   } catch (const Diverged&) {  // of all parts alike
     if (part_bonds_.own_alone) {
+      complete_model();
       gather_particles(state_, own_particles(), exchange_);
       *state = with_all_bonds(std::move(state_), part_bonds_, shared_, exchange_);
     } else {

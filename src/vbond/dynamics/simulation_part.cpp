@@ -38,7 +38,7 @@ std::vector<Vec3d> outermost(const CellEdges& cell, const std::vector<Vec3d>& pl
   return found;
 }
 
-/// The state knows these particles besides.
+/// A column knows these particles besides.
 void know(PerParticle<Vec3d>& r, const std::vector<PlacedParticle>& more) {
   if (r.holds_all() ||
       std::all_of(more.begin(), more.end(), [&r](const PlacedParticle& p) { return r.holds(p.particle); }))
@@ -216,6 +216,12 @@ std::vector<ParticleId> Simulation::own_particles() const {
   return own;
 }
 
+/// Whoever asks for the whole state asks the model for any particle; the next simulation shares it out again.
+void Simulation::complete_model() const {
+  if (shared_model_ != nullptr && !shared_model_->mass.holds_all())
+    gather_particles(*shared_model_, own_particles(), exchange_);
+}
+
 std::vector<BondId> Simulation::own_bonds() const {
   std::vector<BondId> own;
   for (const BondId b : state_.bonds.ids())
@@ -268,8 +274,10 @@ std::vector<ParticleId> Simulation::near_own(double reach) const {
     const std::vector<PlacedParticle> across =
         particles_across_borders(model_, state_, own_particles(), reach, exchange_);
     know(state_.r, across);
+    if (shared_model_ != nullptr) know(shared_model_->r_0, across);
     for (const PlacedParticle& p : across) {
       state_.r[p.particle] = p.r;
+      if (shared_model_ != nullptr) shared_model_->r_0[p.particle] = p.r_0;
       is_near[p.particle] = 1;
     }
   }
@@ -296,6 +304,7 @@ std::optional<StateOfPart> Simulation::state_of_part() const {
 /// Where processes have own bonds alone, rows and packs make room for those of the others first.
 State Simulation::give_state() {
   if (!part_bonds_.own_alone || shown_ == Shown::all) return std::move(collected());
+  complete_model();
   show_own();
   show_loads();
   books();

@@ -43,7 +43,7 @@ void Simulation::keep_records() {
   else
     books.largest = std::max(books.largest, std::abs(brought_in));
   if (flow() != nullptr)
-    books.largest = std::max(books.largest, rounding_along(*flow(), model_.cell, mass_in_cell_));
+    books.largest = std::max(books.largest, rounding_along(*flow(), model_.cell, mass_of_all_));
 
   if (stage_.stops.peak) {
     PeakRecord& peak = state_.peak;
@@ -187,6 +187,7 @@ State& Simulation::collected() const {
   if (std::exchange(shown_, Shown::all) != Shown::all) {
     show_loads();
     if (part_bonds_.own_alone) {
+      complete_model();
       whole_.emplace(with_all_bonds(state_, part_bonds_, shared_, exchange_));
       gather_owned(*whole_, own_particles(), {}, false, exchange_);
     } else if (is_part_) {

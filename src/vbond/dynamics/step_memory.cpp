@@ -1,6 +1,7 @@
 #include "vbond/dynamics/step_memory.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "vbond/core/images.hpp"
@@ -75,11 +76,35 @@ constexpr double row_bytes = sizeof(PoseRow) + sizeof(MotionRow) + sizeof(LoadRo
 /// Its row, and first and last entry of the index.
 constexpr double places_bytes = sizeof(Row) + 2 * sizeof(std::size_t);
 
+constexpr double model_bytes = 4 * sizeof(double) + sizeof(Vec3d);
+/// Of these, what a rank has of its own particles alone: mass, inertia, first place, specimen.
+constexpr double own_model_bytes = 2 * sizeof(double) + sizeof(Vec3d) + sizeof(std::uint32_t);
+
+/// Measured (docs/decisions/ranks.md): a rank of a body of 64 particles, and what LAMMPS has of each of its
+/// atoms.
+constexpr double rank_bytes = 53 * 0x1p20, atom_bytes = 110;
+/// While a rank looks for overlaps: where particles are, and their cells. Measured likewise.
+constexpr double look_bytes = 84;
+
+/// What each rank has of all particles: radii, lists of groups, whose they are, and which ones it knows.
+double of_all_per_particle(const Model& model) {
+  double members = 0.0;
+  for (const Group& g : model.groups) members += static_cast<double>(g.particles.size());
+  return sizeof(double) + 2.0 + sizeof(ParticleId) * members / static_cast<double>(model.particles());
+}
+
+/// Of a rank with so many particles, which lie in a cube: other ends of bonds on three of its faces; or all
+/// that contacts reach, some two layers on six.
+double ghosts_of(const Model& model, double own) {
+  const double layers = particles_touch(model.contact) ? 12.0 : 3.0;
+  return std::min(static_cast<double>(model.particles()) - own, layers * std::cbrt(own * own));
+}
+
 }  // namespace
 
 MemoryUse memory_use(const Model& model, const State& state) {
-  return {.per_particle = 4 * sizeof(double) + sizeof(Vec3d) +  // model
-                          state_bytes_per_particle + row_bytes + places_bytes + of_tops_per_particle(model) +
+  return {.per_particle = model_bytes + state_bytes_per_particle + row_bytes + places_bytes +
+                          of_tops_per_particle(model) +
                           images_per_particle(model, state) * (row_bytes + sizeof(Row) + 2 * sizeof(Image)),
           .per_bond =
               sizeof(Bond) + boxed_per_bond(state) + constants_per_bond(state) + BondIndex::bytes_per_bond};
@@ -88,13 +113,23 @@ MemoryUse memory_use(const Model& model, const State& state) {
 double memory_of_each_rank(const Model& model, const State& state, double bonds, int ranks, RanksKeep keep) {
   const MemoryUse use = memory_use(model, state);
   const auto n = static_cast<double>(model.particles());
-  const double elsewhere = 1.0 - 1.0 / ranks;
-  const double rows_elsewhere = any_capsules(model.contact, state.bonds) ? 0.0 : row_bytes * elsewhere;
-  const double known_elsewhere = rows_elsewhere + elsewhere * (state_bytes_per_particle + places_bytes);
-  if (ranks > 1 && keep == RanksKeep::own_bonds)
-    return n * (use.per_particle - known_elsewhere) + bonds / ranks * (use.per_bond + sizeof(BondId));
-  const double bond_elsewhere = (constants_per_bond(state) + BondIndex::bytes_per_bond) * elsewhere;
-  return n * (use.per_particle - rows_elsewhere) + bonds * (use.per_bond - bond_elsewhere);
+  const double own = n / ranks, of_lammps = rank_bytes + own * atom_bytes;
+  if (ranks == 1 || keep == RanksKeep::all_bonds) {
+    const double elsewhere = 1.0 - 1.0 / ranks;
+    const double rows_elsewhere = any_capsules(model.contact, state.bonds) ? 0.0 : row_bytes * elsewhere;
+    const double bond_elsewhere = (constants_per_bond(state) + BondIndex::bytes_per_bond) * elsewhere;
+    return of_lammps + n * (use.per_particle - rows_elsewhere) + bonds * (use.per_bond - bond_elsewhere);
+  }
+  const double of_all = of_all_per_particle(model);
+  constexpr double counts = 2 * sizeof(std::uint32_t) + 2.0;  // bonds of each particle, and whose it is
+  constexpr double pair = 2 * sizeof(ParticleId) + sizeof(Image);
+  const double made = n * (of_all + own_model_bytes + state_bytes_per_particle + counts) +
+                      bonds / ranks * (sizeof(Bond) + boxed_per_bond(state) + sizeof(BondId) + pair);
+  const double known = own + ghosts_of(model, own);
+  const double steps = n * of_all + known * (use.per_particle - model_bytes + own_model_bytes + look_bytes) +
+                       bonds / ranks * (use.per_bond + sizeof(BondId));
+  constexpr double for_a_moment = 1.05;  // messages, pieces of a checkpoint
+  return for_a_moment * (of_lammps + std::max(made, steps));
 }
 
 }  // namespace vbond

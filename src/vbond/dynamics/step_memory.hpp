@@ -19,9 +19,10 @@ MemoryUse memory_use(const Model& model, const State& state);
 /// stage begins.
 enum class RanksKeep : bool { all_bonds, own_bonds };
 
-/// What each of so many ranks, >= 1, takes at least as the time loop begins: all have the model of all
-/// particles then; rows of particles, constants and index of bonds are shared out, and bonds and the state of
-/// particles if they keep their own alone. The state may be that of one of them.  [bytes]
+/// About the most that each of so many ranks, >= 1, takes, with program, MPI and LAMMPS. In the time loop
+/// rows of particles, constants and index of bonds are shared out, and bonds, state and model if ranks keep
+/// their own alone. As such a body is set up each rank has all particles. The state may be that of one of
+/// them. [bytes]
 double memory_of_each_rank(const Model& model, const State& state, double bonds, int ranks, RanksKeep keep);
 
 }  // namespace vbond

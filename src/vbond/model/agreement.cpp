@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <utility>
 
 #include "vbond/model/holds.hpp"
@@ -43,26 +44,28 @@ std::string name_of(std::size_t dof, const HeldAxes* axes) {
   return dof < 3 ? name : "the turn about " + name;
 }
 
-constexpr std::size_t nobody = static_cast<std::size_t>(-1);
+constexpr std::uint32_t nobody = static_cast<std::uint32_t>(-1);
 
 }  // namespace
 
 std::vector<Disagreement> disagreements(const std::vector<Support>& supports, std::size_t particles) {
+  if (supports.empty()) return {};
   const ParticleAxes axes(supports);
-  std::vector<std::array<std::size_t, 6>> holder(particles, {nobody, nobody, nobody, nobody, nobody, nobody});
+  std::vector<std::array<std::uint32_t, 6>> holder(particles,
+                                                   {nobody, nobody, nobody, nobody, nobody, nobody});
   std::vector<Disagreement> found;
-  for (std::size_t k = 0; k < supports.size(); ++k) {
+  for (std::uint32_t k = 0; k < supports.size(); ++k) {
     bool told = false;
-    const auto tell = [&](ParticleId p, std::string what, std::size_t by, bool oblique) {
+    const auto tell = [&](ParticleId p, std::string what, std::uint32_t by, bool oblique) {
       if (!std::exchange(told, true)) found.push_back({p, std::move(what), by, k, oblique});
     };
     for (const ParticleId p : supports[k].particles) {
       if (p.value >= particles) continue;
       const auto of_p = axes.of(p);
       const HeldDofs held = axes.held(supports[k], p);
-      std::size_t other = k;  // that holds it along other axes
+      std::uint32_t other = k;  // that holds it along other axes
       for (std::size_t dof = 0; dof < 6; ++dof) {
-        std::size_t& by = holder[p.value][dof];
+        std::uint32_t& by = holder[p.value][dof];
         if (by != nobody && by != k) other = by;
         if (!held[dof] && !supports[k].rigid) continue;
         if (by == nobody) by = k;

@@ -26,7 +26,7 @@ class ContactMasses {
     for (const Hold& h : holds_of(supports))
       for (std::size_t k = 0; k < 3; ++k) held[h.particle] += h.held[k] ? 1 : 0;
     for (const ParticleId p : held.ids())
-      if (held[p] == 3) mass_[p] = std::numeric_limits<double>::infinity();
+      if (held[p] == 3 && mass_.holds(p)) mass_[p] = std::numeric_limits<double>::infinity();
   }
 
   /// Its own; of a clump's member that of the whole clump; infinite if all three translations are held.

@@ -103,18 +103,18 @@ Tensor mean_stress(const BodyPart& body, const PerParticle<Tensor>& of_particles
 Tensor mean_strain(const Model& model, const BodyPart& body, const std::vector<ParticleId>& group) {
   const State& s = body.state;
   Vec3d before, now;
-  for (const ParticleId p : group) {
-    before += model.r_0[p];
-    if (body.has(p)) now += s.r[p];
-  }
-  before = before / static_cast<double>(group.size()),
+  for (const ParticleId p : group)
+    if (body.has(p)) before += model.r_0[p], now += s.r[p];
+  before = body.summed(before) / static_cast<double>(group.size()),
   now = body.summed(now) / static_cast<double>(group.size());
   Tensor of_start, across;
   for (const ParticleId p : group) {
+    if (!body.has(p)) continue;
     const Vec3d X = model.r_0[p] - before;
     of_start += dyad(X, X);
-    if (body.has(p)) across += dyad(X, s.r[p] - now);
+    across += dyad(X, s.r[p] - now);
   }
+  of_start = body.summed(of_start);
   across = body.summed(across);
   // across = of_start F^T; rows of F^T are those of inverse(of_start) across
   const Tensor columns = transposed(across), inverted = inverse(of_start);

@@ -67,16 +67,13 @@ void check_sense(const Model& model, const State& state) {
     if (!mistakes.empty()) throw IoError("is damaged: " + mistakes.front());
 }
 
-/// A checkpoint under way: what does not change is in it, and the state comes next.
+/// A checkpoint under way: model, cell and state come first.
 class NewCheckpoint {
  public:
-  NewCheckpoint(const std::filesystem::path& path, const Model& model)
-      : file_(path), writer_(file_.part(), model.units) {
-    write_tables(writer_, model_table, model);
-    write_tables(writer_, cell_table, first_cells(model));
-  }
+  NewCheckpoint(const std::filesystem::path& path, UnitSystem units)
+      : file_(path), writer_(file_.part(), units) {}
   H5Writer& writer() { return writer_; }
-  /// All else, after the state. It then takes the place of an older one.
+  /// All else. It then takes the place of an older one.
   void publish(const WatchRecord& watch, const FractureUnderWay* under_way,
                const std::string& program_version) {
     write_tables(writer_, watch_table, watch);
@@ -113,7 +110,9 @@ void write_checkpoint(const std::filesystem::path& path, const Model& model, con
                       const FractureUnderWay* under_way) {
   const H5Silence silence;
   try_to_write(path, [&] {
-    NewCheckpoint checkpoint(path, model);
+    NewCheckpoint checkpoint(path, model.units);
+    write_tables(checkpoint.writer(), model_table, model);
+    write_tables(checkpoint.writer(), cell_table, first_cells(model));
     write_tables(checkpoint.writer(), state_table, state);
     checkpoint.publish(watch, under_way, program_version);
   });
@@ -125,8 +124,11 @@ void write_checkpoint(const std::filesystem::path& path, const Model& model, con
     LeadersWork lead(part.all.leads());
     std::optional<H5Silence> silence;
     std::optional<NewCheckpoint> checkpoint;
-    lead([&] { silence.emplace(), checkpoint.emplace(path, model); });
-    StateInPieces(part, lead, [&]() -> H5Writer& { return checkpoint.value().writer(); }).write();
+    lead([&] { silence.emplace(), checkpoint.emplace(path, model.units); });
+    BodyInPieces body(part, lead, [&]() -> H5Writer& { return checkpoint.value().writer(); });
+    body.write(model_table, model);
+    body.write(cell_table, first_cells(model));
+    body.write(state_table, part.state);
     lead([&] { checkpoint->publish(watch, nullptr, program_version); });
     lead.end();
   });

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "vbond/core/bounding_box.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/observe/frame_format.hpp"
@@ -28,9 +29,12 @@ void write_bonds_vtp(const std::filesystem::path& path, const State& state, Unit
 void write_contacts_vtp(const std::filesystem::path& path, const Model& model, const State& state,
                         std::optional<double> load_factor = {}, FrameFormat format = {});
 
-/// The walls as triangles where they are now, with wall_quantities().
+/// The walls as triangles where they are now, with wall_quantities(); body: the box around its particles at
+/// the start, which says how large endless walls are shown.
 void write_walls_vtp(const std::filesystem::path& path, const Model& model, const State& state,
                      std::optional<double> load_factor = {}, FrameFormat format = {});
+void write_walls_vtp(const std::filesystem::path& path, const Model& model, const State& state,
+                     std::optional<double> load_factor, FrameFormat format, const BoundingBox& body);
 
 /// The twelve edges of the cell of a periodic body.
 void write_cell_vtp(const std::filesystem::path& path, const Model& model, const State& state,

@@ -16,6 +16,7 @@
 #include "vbond/observe/frame_files.hpp"
 #include "vbond/observe/frame_names.hpp"
 #include "vbond/observe/in_cell.hpp"
+#include "vbond/terms/walls/output_wall_triangles.hpp"
 
 namespace vbond {
 namespace {
@@ -194,13 +195,14 @@ void FrameWriter::write(const Simulation& run) {
     return write(run.model(), run.state());
   const Clock& clock = run.clock();
   all.together([&] { write_part(folder_, all.rank(), run, format_); });
+  const BoundingBox body = format_.walls ? body_at_start(run.model(), all) : BoundingBox{};
   if (!writes_all_) return;
   write_lists_of_parts(folder_, all.ranks(), run.model(), clock.step, format_);
   if (format_.walls) {
     State walls;
     walls.clock = clock;
     walls.walls = run.walls();
-    write_walls_vtp(folder_ / frame_name("walls", clock.step), run.model(), walls, {}, format_);
+    write_walls_vtp(folder_ / frame_name("walls", clock.step), run.model(), walls, {}, format_, body);
   }
   add_to_lists(clock, name_of_parts);
 }

@@ -144,7 +144,8 @@ CellValues cell_values(const Model& model, const BodyPart& body) {
   const State& state = body.state;
   CellValues of{.volume = volume(state.cell)};
   for (const ParticleId p : model.mass.ids())
-    if (!is_absent(state, p)) of.density += model.mass[p] / of.volume;
+    if (body.has(p) && !is_absent(state, p)) of.density += model.mass[p] / of.volume;
+  body.all.sum({&of.density, 1});
   of.strain = cell_components(cell_gradient(model.cell, state.cell));
   for (std::size_t k = 0; k < 3; ++k) of.strain[k] -= 1.0;
   of.stress = symmetric_part(cell_stress(model, body));

@@ -11,6 +11,7 @@
 #include "vbond/core/memory.hpp"
 #include "vbond/dynamics/step_memory.hpp"
 #include "vbond/model/passage.hpp"
+#include "vbond/model/state_table.hpp"
 #include "vbond/setup/bonds.hpp"
 #include "vbond/setup/build.hpp"
 
@@ -43,13 +44,13 @@ void require(double here, const std::string& what, const Case& c, const Communic
                    "take fewer particles, or another machine"});
 }
 
-void require(double here, const Case& c, const RanksHere& ranks, const Communicator& all) {
+void require(double here, const char* how, const Case& c, const RanksHere& ranks, const Communicator& all) {
   const auto [bytes, limit] = Needed(here, machine_memory(), all);
   if (bytes <= limit) return;
   throw CaseError(
       {{c.file, 0, 0},
-       fmt::format("{} ranks on one machine take at least {} of memory", ranks.number, bytes_in_units(bytes)),
-       fmt::format("there may be {}, and each rank holds all particles", bytes_in_units(limit)),
+       fmt::format("{} ranks on one machine take {} {} of memory", ranks.number, how, bytes_in_units(bytes)),
+       fmt::format("there may be {}, and each rank makes all particles", bytes_in_units(limit)),
        "take fewer ranks, or more machines, or vbond --threads N, which holds the body once"});
 }
 
@@ -147,14 +148,17 @@ std::vector<BondsToCome> bonds_to_come(const Case& c, const Run& run) {
 }
 
 void require_memory(const Case& c, const RanksHere& ranks) {
-  require(count_particles(c) * memory_use({}, {}).per_particle * ranks.number, c, ranks, alone());
+  const double model_and_state =
+      count_particles(c) * (sizeof(double) * 4 + sizeof(Vec3d) + state_bytes_per_particle);
+  require(model_and_state * ranks.number, "at least", c, ranks, alone());
 }
 
 void require_memory(const Case& c, const Model& model, const BodyPart& body, const RanksHere& ranks) {
+  if (ranks.all == 1) return;  // it is one process as any, of which this is told already
   const RanksKeep keep = body.has_all_bonds() ? RanksKeep::all_bonds : RanksKeep::own_bonds;
   const double of_each =
       memory_of_each_rank(model, body.state, static_cast<double>(count_bonds(body)), ranks.all, keep);
-  require(ranks.number * of_each, c, ranks, body.all);
+  require(ranks.number * of_each, "about", c, ranks, body.all);
 }
 
 std::string memory_limit_in_words() {

@@ -146,6 +146,7 @@ void Run::begin() {
 
 /// Of this process; where it cannot be made, the run has its state back.
 std::unique_ptr<Simulation> Run::part_of(State state, Share share) {
+  share.model = &model_;
   try {
     return std::make_unique<Simulation>(model_, std::get<Stage>(*stage_), &state, std::move(share),
                                         *partition_);

@@ -222,7 +222,7 @@ Built build_body(const Case& c, int threads, const KeepOwnBonds* processes) {
   model.units = c.units;
   model.contact = c.contact;
 
-  const std::vector<PlacedSpecimen> specimens = place_specimens(c, threads);
+  std::vector<PlacedSpecimen> specimens = place_specimens(c, threads);
   std::uint32_t number = 0;
   for (const PlacedSpecimen& s : specimens) {
     add_particles(s, number++, built, problems);
@@ -259,6 +259,7 @@ Built build_body(const Case& c, int threads, const KeepOwnBonds* processes) {
   if (processes != nullptr) processes->meet();
   throw_if_any();
   add_copies(c, built);
+  if (!c.cell) specimens = {};  // the model has their points, and nobody asks for pieces of them below
 
   SharedCells shared(threads);
   if (processes != nullptr)

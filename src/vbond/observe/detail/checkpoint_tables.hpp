@@ -53,12 +53,13 @@ inline constexpr auto watch_table = std::tuple{
 
 /// What must be the same for a checkpoint to fit a model.
 inline constexpr auto model_table = std::tuple{
-    fields_of<Model>("/model/", field("units", &Model::units, unit::none, "0 reduced, 1 SI"),
-                     field("mass", &Model::mass, unit::mass, "of the particles"),
-                     field("inertia", &Model::inertia, unit::inertia,
-                           "moments of inertia of the particles, the least where they differ"),
-                     field("radius", &Model::radius, unit::length, "of the particles"),
-                     field("r_0", &Model::r_0, unit::length, "first positions")),
+    fields_of<Model>(
+        "/model/", field("units", &Model::units, unit::none, "0 reduced, 1 SI"),
+        field("mass", &Model::mass, unit::mass, "of the particles", {.known = Known::by_owner}),
+        field("inertia", &Model::inertia, unit::inertia,
+              "moments of inertia of the particles, the least where they differ", {.known = Known::by_owner}),
+        field("radius", &Model::radius, unit::length, "of the particles"),
+        field("r_0", &Model::r_0, unit::length, "first positions", {.known = Known::by_owner})),
     rows_of("/model/principal_", &Model::principal, {.filed = Filed::where_any},
             field("moments", &PrincipalInertia::moments, unit::inertia,
                   "about their principal axes; only if those of a particle differ, as are its axes"),

@@ -13,7 +13,7 @@
 #include "vbond/model/state_table.hpp"
 #include "vbond/observe/detail/h5_tables.hpp"
 
-/// The state of a body that several processes share, written by the one that leads.
+/// A body that several processes share, written by the one that leads.
 namespace vbond {
 
 /// What the process that leads does while the others send it what it needs: once something goes wrong it does
@@ -41,22 +41,23 @@ class LeadersWork {
   std::exception_ptr failure_;
 };
 
-/// Writes what write_tables() writes of a whole state. All processes do so together: each sends what is its
-/// own, some numbers at a time in the order of particles or bonds, so that nobody has the whole. `file` gives
-/// the file where the work is done.
-class StateInPieces {
+/// Writes what write_tables() writes of a whole model or state. All processes do so together: each sends what
+/// is its own, some numbers at a time in the order of particles or bonds, so that nobody has the whole.
+/// `file` gives the file where the work is done.
+class BodyInPieces {
  public:
-  StateInPieces(const StateOfPart& part, LeadersWork& lead, std::function<H5Writer&()> file)
+  BodyInPieces(const StateOfPart& part, LeadersWork& lead, std::function<H5Writer&()> file)
       : part_(part), all_(part.all), lead_(lead), file_(std::move(file)), bonds_(number_of_bonds(part)) {}
 
-  void write() {
-    for_each_table(state_table, [&]<class Table>(const Table& table) {
+  template <class... Tables, class Whole>
+  void write(const std::tuple<Tables...>& tables, const Whole& of) {
+    for_each_table(tables, [&]<class Table>(const Table& table) {
       if constexpr (!is_row_table<Table>)
-        for_each_field(table, [&](const auto& f) { write_field(table, f); });
+        for_each_field(table, [&](const auto& f) { write_field(table, f, table.in(of).*f.value); });
       else if constexpr (std::is_same_v<typename Table::Of, Bond>)
         for_each_field(table, [&](const auto& f) { write_bonds(table, f); });
       else
-        write_rows_of_all(table);
+        write_rows_of_all(table, table.in(of));
     });
   }
 
@@ -97,8 +98,7 @@ class StateInPieces {
   }
 
   template <class Table, class Of, class Value>
-  void write_field(const Table& table, const Field<Of, Value>& f) {
-    const Value& value = (table.in(part_.state)).*f.value;
+  void write_field(const Table& table, const Field<Of, Value>& f, const Value& value) {
     if constexpr (is_column<Value>) {
       if (f.traits.known == Known::by_owner) return write_owned(data_set(table, f), f.traits, value);
     }
@@ -148,9 +148,8 @@ class StateInPieces {
     write_of_bonds<Quatd>(set, [](const Bond& b) { return frame_j(b); });
   }
 
-  template <class Table>
-  void write_rows_of_all(const Table& table) {
-    const auto& rows = table.in(part_.state);
+  template <class Table, class Rows>
+  void write_rows_of_all(const Table& table, const Rows& rows) {
     if constexpr (std::is_same_v<typename Table::Of, WarmBond>) {
       const auto whole = in_order_of_bonds(all_.send_to_leader(by_name(rows, part_.names)));
       return lead_([&] { write_rows(file_(), table, whole); });

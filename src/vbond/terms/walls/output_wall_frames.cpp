@@ -15,7 +15,11 @@ namespace vbond {
 
 void write_walls_vtp(const std::filesystem::path& path, const Model& model, const State& state,
                      std::optional<double> load_factor, FrameFormat format) {
-  const BoundingBox body = body_at_start(model);
+  write_walls_vtp(path, model, state, load_factor, format, body_at_start(model));
+}
+
+void write_walls_vtp(const std::filesystem::path& path, const Model& model, const State& state,
+                     std::optional<double> load_factor, FrameFormat format, const BoundingBox& body) {
   const std::vector<WallState> at_start(state.walls.empty() ? model.walls.size() : 0);
   std::vector<Vec3d> corners;
   std::vector<std::array<std::int64_t, 3>> triangles;

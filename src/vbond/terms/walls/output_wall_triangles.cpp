@@ -1,5 +1,6 @@
 #include "vbond/terms/walls/output_wall_triangles.hpp"
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -96,11 +97,14 @@ TriangleMesh triangles_of(const MeshWall& w, const BoundingBox&) {
 
 }  // namespace
 
-BoundingBox body_at_start(const Model& model) {
+BoundingBox body_at_start(const Model& model, const Communicator& all) {
+  if (model.particles() == 0) return {{-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}};
   BoundingBox box;
-  for (const ParticleId p : model.r_0.ids()) box.add(model.r_0[p], model.radius[p]);
-  if (model.particles() == 0) box = {{-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}};
-  return box;
+  for (const ParticleId p : model.r_0.ids())
+    if (model.r_0.holds(p)) box.add(model.r_0[p], model.radius[p]);
+  std::array<double, 6> most{-box.low.x, -box.low.y, -box.low.z, box.high.x, box.high.y, box.high.z};
+  all.max(most);
+  return {{-most[0], -most[1], -most[2]}, {most[3], most[4], most[5]}};
 }
 
 TriangleMesh triangles_of(const Wall& wall, const BoundingBox& body) {
