@@ -177,9 +177,8 @@ void find_clumps_that_damp(const Case& c, const Model& model, Lines& lines) {
     if (!damps || is_static(stage.kind)) continue;
     if (std::none_of(stage.supports.begin(), stage.supports.end(), is_clump)) continue;
     lines.push_back(
-        "a restitution is met where a rigid group that is free touches at one place; at n places alike at "
-        "once "
-        "it is damped sqrt(n) times as much (docs/contacts.md, which mass counts)");
+        "a restitution is met where a rigid group that is free touches at one place; at n places alike "
+        "at once it is damped sqrt(n) times as much (docs/contacts.md, which mass counts)");
     return;
   }
 }
