@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t large_page = std::size_t{1} << 21;  // of x86-64, and of ARM with pages of 4 KiB
 
-/// Of half as much, an array that begins and ends anywhere would have no large page.
+/// Of less, alignment would leave as many addresses unused as the array has.
 bool is_large(std::size_t bytes) {
   return bytes >= 2 * large_page;
 }
