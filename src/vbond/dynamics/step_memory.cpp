@@ -76,8 +76,7 @@ constexpr double row_bytes = sizeof(PoseRow) + sizeof(MotionRow) + sizeof(LoadRo
 /// Its row, and first and last entry of the index.
 constexpr double places_bytes = sizeof(Row) + 2 * sizeof(std::size_t);
 
-constexpr double model_bytes = 4 * sizeof(double) + sizeof(Vec3d);
-/// Of these, what a rank has of its own particles alone: mass, inertia, first place, specimen.
+/// Of a model, what a rank has of its own particles alone: mass, inertia, first place, specimen.
 constexpr double own_model_bytes = 2 * sizeof(double) + sizeof(Vec3d) + sizeof(std::uint32_t);
 
 /// Measured (docs/decisions/ranks.md): a rank of a body of 64 particles, and what LAMMPS has of each of its
@@ -103,7 +102,7 @@ double ghosts_of(const Model& model, double own) {
 }  // namespace
 
 MemoryUse memory_use(const Model& model, const State& state) {
-  return {.per_particle = model_bytes + state_bytes_per_particle + row_bytes + places_bytes +
+  return {.per_particle = model_bytes_per_particle + state_bytes_per_particle + row_bytes + places_bytes +
                           of_tops_per_particle(model) +
                           images_per_particle(model, state) * (row_bytes + sizeof(Row) + 2 * sizeof(Image)),
           .per_bond =
@@ -126,7 +125,8 @@ double memory_of_each_rank(const Model& model, const State& state, double bonds,
   const double made = n * (of_all + own_model_bytes + state_bytes_per_particle + counts) +
                       bonds / ranks * (sizeof(Bond) + boxed_per_bond(state) + sizeof(BondId) + pair);
   const double known = own + ghosts_of(model, own);
-  const double steps = n * of_all + known * (use.per_particle - model_bytes + own_model_bytes + look_bytes) +
+  const double steps = n * of_all +
+                       known * (use.per_particle - model_bytes_per_particle + own_model_bytes + look_bytes) +
                        bonds / ranks * (use.per_bond + sizeof(BondId));
   constexpr double for_a_moment = 1.05;  // messages, pieces of a checkpoint
   return for_a_moment * (of_lammps + std::max(made, steps));

@@ -15,6 +15,9 @@ struct MemoryUse {
 /// particle, as a mean over all.
 MemoryUse memory_use(const Model& model, const State& state);
 
+/// Of a model.  [bytes]
+inline constexpr double model_bytes_per_particle = 4 * sizeof(double) + sizeof(Vec3d);
+
 /// Bonds of a body with so many, of which ranks keep their own alone from the set-up on, or each has all as a
 /// stage begins.
 enum class RanksKeep : bool { all_bonds, own_bonds };

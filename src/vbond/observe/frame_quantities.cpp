@@ -64,8 +64,8 @@ constexpr BondQuantity of_bonds[] = {
      "distance of the bonded points less the length at rest, which grows by `plastic_elongation` and `creep`",
      [](const View& b) { return b.shape.length - b.bond.a; }},
     {"length_at_rest", unit::length,
-     "of the bond as it was made, at its temperature: without what yielding and creep add. elongation / "
-     "length_at_rest is its elastic strain",
+     "as it was made, at its temperature, without yielding and creep; elongation over it is the elastic "
+     "strain",
      [](const View& b) { return b.bond.a; }},
     {"bend", unit::degrees, "angle between n_i1 and -n_j1, 0 to 180",
      [](const View& b) { return degrees * b.shape.bend; }},

@@ -148,8 +148,7 @@ std::vector<BondsToCome> bonds_to_come(const Case& c, const Run& run) {
 }
 
 void require_memory(const Case& c, const RanksHere& ranks) {
-  const double model_and_state =
-      count_particles(c) * (sizeof(double) * 4 + sizeof(Vec3d) + state_bytes_per_particle);
+  const double model_and_state = count_particles(c) * (model_bytes_per_particle + state_bytes_per_particle);
   require(model_and_state * ranks.number, "at least", c, ranks, alone());
 }
 
