@@ -60,6 +60,35 @@ def test_a_clump_of_which_nobody_is_left():
     assert last_of(case, "nobody")["particles"] == 0
 
 
+# A pair that is pulled and held, and two grains that fly off.
+PULLED = """specimen = [{name = "all_four", radius = 0.4, mass = 1.0, kind = "list", positions = [[0, 0, 0], [1, 0, 0],
+                                                                                     [5, 0, 0], [7, 0, 0]]}]
+groups = {loose = {indices = [2, 3]}, held = {indices = [0, 1]}}
+bonds = [{pairs = [[0, 1]], prestrain = 0.02, stiffness = {c_A = 1.0, c_D = 0.5, c_B = 0.2, c_T = 0.1}}]
+velocities = [{group = "loose", velocity = [0, 0, 1]}]
+sink = [{half_space = {point = [0, 0, 0.5], normal = [0, 0, -1]}, every = 0.05}]
+time = {step = 0.005}
+output = {history = {every = 0.1, stress = [{group = "all", volume = "spheres"},
+                                            {group = "all_four", volume = "box"},
+                                            {group = "loose", volume = "spheres"}]}}
+[[stage]]
+duration = 1.0
+supports = [{group = "held", fix = ["x", "y", "z"]}]
+"""
+
+
+def test_stress_over_spheres_is_that_of_those_that_are_there():
+    vbond("run", write("pulled.toml", PULLED), "-o", "pulled")
+    rows = table("pulled")
+    first, last = rows[0], rows[-1]
+    sphere, force = 4 / 3 * math.pi * 0.4 ** 3, 1 - 1 / 1.02  # c_A times the stretch of a bond that is 1 long
+    assert (first["particles"], last["particles"]) == (4, 2)
+    assert first["stress.all.xx"] == pytest.approx(force / (4 * sphere))
+    assert last["stress.all.xx"] == pytest.approx(force / (2 * sphere))
+    assert last["stress.all_four.xx"] == first["stress.all_four.xx"] == pytest.approx(force / (7.8 * 0.8 * 0.8))
+    assert first["stress.loose.xx"] == 0 and last["stress.loose.xx"] is None
+
+
 # Grains that touch nothing follow their cell.
 GRAINS = """cell = {a = [4, 0, 0], b = [0, 4, 0], c = [0, 0, 4]}
 specimen = [{kind = "block", cells = [4, 4, 4], radius = 0.3, mass = 1.0}]

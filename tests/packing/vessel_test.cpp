@@ -24,6 +24,12 @@ TEST(Vessel, VolumesAreThoseOfGeometry) {
   holed.walls.push_back(around_box({0, 0, 0}, {1, 1, 1}));
   holed.walls.push_back(around_cylinder({3.5, 0, 0.5}, {3.5, 4, 0.5}, 0.3));
   EXPECT_NEAR(volume_deeper_than(holed, 0) / (64 - 4.0 / 3.0 * pi - 1 - pi * 0.09 * 4), 1.0, near);
+  EXPECT_NEAR(volume_deeper_than(cylinder(1, 40), 0) / (pi * 40), 1.0, near);
+  Vessel slice = hollow_ball(10);  // from -0.487 to 0.513 of its height: the frame stays that of the ball
+  slice.walls.push_back(half_space({0, 0, -0.487}, {0, 0, -1}));
+  slice.walls.push_back(half_space({0, 0, 0.513}, {0, 0, 1}));
+  const double exact = pi * (100.0 - (std::pow(0.487, 3) + std::pow(0.513, 3)) / 3.0);
+  EXPECT_NEAR(volume_deeper_than(slice, 0) / exact, 1.0, 5 * near);
 }
 
 TEST(Vessel, TheLargestSphereThatFitsIsFound) {

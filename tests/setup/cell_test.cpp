@@ -1,5 +1,9 @@
 // Cells of cases: what they make of specimens and bonds, and what is refused.
+#include <fmt/format.h>
+
 #include <cmath>
+#include <map>
+#include <set>
 
 #include "cases.hpp"
 #include "vbond/case/read.hpp"
@@ -53,6 +57,36 @@ TEST(CaseCell, BringsParticlesIntoTheCellFromItsCorner) {
 TEST(CaseCell, AnOpenEdgeHasNoBondsThroughIt) {
   const Built b = build(in_cell(still, "a = [3, 0, 0]\nb = [0, 3, 0]\nc = [0, 0, 5]\nopen = [\"c\"]\n"));
   EXPECT_EQ(b.state.bonds.size(), 72u);  // 9 fewer
+}
+
+/// With strengths by chance. A bond that joins a particle with another of the cell itself has the same in an
+/// open body.
+TEST(CaseCell, BondsThroughFacesHaveStrengthsOfTheirOwn) {
+  const auto built = [](std::size_t along, bool is_open) {
+    Case c = in_cell(
+        still, fmt::format("a = [{0}, 0, 0]\nb = [0, {0}, 0]\nc = [0, 0, {0}]\n", along),
+        fmt::format("kind = \"block\"\nlattice = \"simple-cubic\"\ncells = [{0}, {0}, {0}]\n", along));
+    if (is_open) c.cell.reset();
+    c.bonds[0].recipe.rules.strength.axial = 1.0;
+    c.bonds[0].recipe.weibull = {5.0, 0, 0, 1};
+    return build(c);
+  };
+  std::map<std::pair<ParticleId, ParticleId>, double> of_open;
+  for (const Bond& b : built(2, true).state.bonds) of_open[{b.i, b.j}] = strength_factor(b);
+  EXPECT_EQ(of_open.size(), 12u);
+  for (const std::size_t along : {std::size_t{1}, std::size_t{2}, std::size_t{3}}) {
+    std::set<double> different;
+    std::size_t inside = 0;
+    const Built b = built(along, false);
+    for (const Bond& bond : b.state.bonds) {
+      different.insert(strength_factor(bond));
+      if (along != 2 || !bond.image_j.is_itself()) continue;
+      EXPECT_EQ(strength_factor(bond), (of_open.at({bond.i, bond.j})));
+      ++inside;
+    }
+    EXPECT_EQ(different.size(), 3 * along * along * along);  // all of them
+    EXPECT_EQ(inside, along == 2 ? 12u : 0u);
+  }
 }
 
 TEST(CaseCell, ACellMayBeSmallerThanABond) {

@@ -89,9 +89,23 @@ double from_0_to_1(std::uint64_t x) {
   return static_cast<double>(x >> 11) * 0x1p-53;
 }
 
-/// A number of [0, 1) that depends on the seed and the two particles alone.
-double variate(std::uint64_t seed, ParticleId i, ParticleId j) {
-  return from_0_to_1(mixed(mixed(seed, std::min(i, j).value), std::max(i, j).value));
+/// The same for the two particles of a pair, from whichever it is looked at; and for the image of the higher
+/// one that it joins with the lower one itself, or of two images of one particle the one that is ahead.
+std::uint64_t mixed(std::uint64_t x, ParticleId i, ParticleId j) {
+  return mixed(mixed(x, std::min(i, j).value), std::max(i, j).value);
+}
+std::uint64_t mixed_with_image(std::uint64_t x, ParticleId i, ParticleId j, const Image& image_j) {
+  const bool in_order = i < j || (i == j && image_j > -image_j);
+  const Image n = in_order ? image_j : -image_j;
+  for (const auto k : {n.a, n.b, n.c}) x = mixed(x, static_cast<std::uint64_t>(k));
+  return x;
+}
+
+/// A number of [0, 1) that depends on the seed, the two particles and the image alone. Bonds through no face
+/// have the same in an open body.
+double variate(std::uint64_t seed, const Bond& b) {
+  const std::uint64_t of_pair = mixed(seed, b.i, b.j);
+  return from_0_to_1(b.image_j.is_itself() ? of_pair : mixed_with_image(of_pair, b.i, b.j, b.image_j));
 }
 
 /// The rules of a bond whose stiffnesses have these factors: c_B/c_A then tells another round section than
@@ -120,7 +134,7 @@ void add_rules(const BondRecipe& recipe, const BondSite& i, const BondSite& j, B
       b.coefficients.set(place_of(b, static_cast<RuleCoefficient>(k)), g[k]);
   }
   if (recipe.weibull.modulus > 0.0) {
-    const double u = variate(recipe.weibull.seed, i.id, j.id);
+    const double u = variate(recipe.weibull.seed, b);
     const auto* theory = std::get_if<TheoryParameters>(&recipe.parameters);
     const double A =
         theory && theory->of_radii.any() ? section_of(*theory, {i.radius, j.radius}).A : recipe.weibull.area;
@@ -211,12 +225,7 @@ BondLengths bond_lengths(const BondRecipe& recipe, double distance, const BondRa
 
 double pair_variate(std::uint64_t seed, ParticleId i, ParticleId j, const Image& image_j) {
   constexpr std::uint64_t of_shares = 0x5348415245;
-  const bool in_order = i < j || (i == j && image_j > -image_j);
-  const Image n = in_order ? image_j : -image_j;
-  std::uint64_t x = mixed(seed, of_shares);
-  for (const std::size_t p : {std::min(i, j).value, std::max(i, j).value}) x = mixed(x, p);
-  for (const auto k : {n.a, n.b, n.c}) x = mixed(x, static_cast<std::uint64_t>(k));
-  return from_0_to_1(x);
+  return from_0_to_1(mixed_with_image(mixed(mixed(seed, of_shares), i, j), i, j, image_j));
 }
 
 double weibull_factor(const Weibull& weibull, double u, double V) {

@@ -14,6 +14,7 @@
 #include "vbond/model/bond_sums.hpp"
 #include "vbond/model/periodic_cell.hpp"
 #include "vbond/model/present.hpp"
+#include "vbond/model/stress.hpp"
 #include "vbond/observe/bond_look.hpp"
 #include "vbond/observe/quantities.hpp"
 
@@ -49,10 +50,19 @@ std::optional<Vec3d> mean_velocity(const Group& group, const BodyPart& body) {
   return mean_of(group, body, [&](ParticleId p) { return body.state.v[p]; });
 }
 
+/// That of a group now; 0 where nobody is left, who then has no stress.  [length^3]
+double volume_now(const StressedGroup& g, const Model& model, const State& state) {
+  if (!g.of_spheres || left_out(state).empty()) return g.volume;
+  double spheres = 0.0;
+  for (const ParticleId p : those_there(g.group, state)) spheres += sphere_volume(model, p);
+  return spheres;
+}
+
 void add_stresses(const OutputPlan& plan, const Model& model, const BodyPart& body, HistoryValues& to) {
   const PerParticle<Tensor> stress = stress_times_volume(model, body);
   for (const StressedGroup& g : plan.stresses) {
-    to.stresses.push_back(symmetric_part(mean_stress(body, stress, g.group.particles, g.volume)));
+    const double volume = volume_now(g, model, body.state);
+    to.stresses.push_back(symmetric_part(mean_stress(body, stress, g.group.particles, volume)));
     const bool some_come_in = std::any_of(g.group.particles.begin(), g.group.particles.end(),
                                           [&model](ParticleId p) { return comes_in(model, p); });
     SymmetricParts strain;  // of particles that come in there is none: they had no places at the start

@@ -28,6 +28,10 @@ Cell cell_stress_of(const Values& v) {
   return v.cell ? Cell(v.cell->stress[k]) : Cell();
 }
 
+/// Empty where there is none.
+void add_known(const SymmetricParts& parts, std::vector<Cell>& to) {
+  for (const double x : parts) to.push_back(std::isfinite(x) ? Cell(x) : Cell());
+}
 void add3(const Vec3d& x, std::vector<Cell>& to) {
   to.insert(to.end(), {x.x, x.y, x.z});
 }
@@ -185,8 +189,9 @@ std::vector<GroupQuantity> before_terms() {
       {"axial_force",
        "GROUP",
        {{"", unit::force,
-         "mean of F.d over the bonds with both ends in the group, each cell of a flat joint for itself; "
-         "tension is positive"}},
+         "mean of F.d over the unbroken bonds with both ends in the group, 0 without any; each cell of a "
+         "flat "
+         "joint counts; tension is positive"}},
        names_of<&OutputPlan::axial_force>,
        [](const Values& v, std::size_t k, std::vector<Cell>& to) { to.emplace_back(v.axial_force[k]); }},
       {"displacement",
@@ -225,17 +230,14 @@ std::vector<GroupQuantity> behind_terms() {
        {{"xx", unit::stress,
          "mean stress of the group, tension positive: the sum of x f over its particles' bonds and contacts, "
          "walls among them, where f acts on a particle at x from its centre, over the volume that is given; "
-         "the symmetric "
-         "part"},
+         "the symmetric part; empty where that is of spheres and none is left"},
         {"yy", unit::stress},
         {"zz", unit::stress},
         {"yz", unit::stress},
         {"zx", unit::stress},
         {"xy", unit::stress}},
        names_of_stressed,
-       [](const Values& v, std::size_t k, std::vector<Cell>& to) {
-         to.insert(to.end(), v.stresses[k].begin(), v.stresses[k].end());
-       }},
+       [](const Values& v, std::size_t k, std::vector<Cell>& to) { add_known(v.stresses[k], to); }},
       {"strain",
        "GROUP",
        {{"xx", unit::none,
@@ -247,9 +249,7 @@ std::vector<GroupQuantity> behind_terms() {
         {"zx", unit::none},
         {"xy", unit::none}},
        names_of_stressed,
-       [](const Values& v, std::size_t k, std::vector<Cell>& to) {
-         for (const double x : v.strains[k]) to.push_back(std::isfinite(x) ? Cell(x) : Cell());
-       }},
+       [](const Values& v, std::size_t k, std::vector<Cell>& to) { add_known(v.strains[k], to); }},
       {"dissipated",
        "CAUSE",
        {{"", unit::energy,

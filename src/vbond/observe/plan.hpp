@@ -13,10 +13,11 @@
 
 namespace vbond {
 
-/// A group whose mean stress and strain are written, and the volume that it takes up.
+/// A group whose mean stress and strain are written, and the volume that it takes up as the run begins.
 struct StressedGroup {
   Group group;
-  double volume = 0;
+  double volume = 0;        ///< [length^3]
+  bool of_spheres = false;  ///< that of its particles alone: those that a sink takes out take theirs along
 };
 
 /// What of a run is written by this process: of a body that several step, one of them writes everything but

@@ -24,8 +24,11 @@ double output_time(const CaseTime& time, const Model& model, const char* key, co
 /// Groups with the volumes that they take up.
 std::vector<StressedGroup> stressed_groups(const Case& c, const Model& model) {
   std::vector<StressedGroup> groups;
-  for (const StressSpec& s : c.output.stresses)
-    groups.push_back({resolve_groups({s.group}, model).front(), resolve_volume(s, model)});
+  for (const StressSpec& s : c.output.stresses) {
+    const auto* by = std::get_if<StressVolume>(&s.volume);
+    groups.push_back({resolve_groups({s.group}, model).front(), resolve_volume(s, model),
+                      by != nullptr && *by == StressVolume::spheres});
+  }
   return groups;
 }
 
