@@ -34,7 +34,6 @@
 #include "vbond/run/run.hpp"
 #include "vbond/run/static_solver.hpp"
 #include "vbond/setup/build.hpp"
-#include "vbond/setup/own_bonds.hpp"
 #include "vbond/setup/times.hpp"
 
 namespace vbond::app {
@@ -49,12 +48,12 @@ void print_memory(const Case& c, const Model& model, const State& state, int ran
   fmt::print("memory           {}: {:.0f} bytes per particle, {:.0f} per bond; neighbour lists are extra\n",
              bytes_in_units(total), use.per_particle, use.per_bond);
   if (ranks == 0) return;
-  const bool own = may_keep_own_bonds(c);
+  const RanksKeep keep = ranks_keep(c);
   fmt::print(
       "on {} ranks       {} each: {} (docs/ranks.md)\n", ranks,
-      bytes_in_units(memory_of_each_rank(model, state, static_cast<double>(state.bonds.size()), ranks,
-                                         own ? RanksKeep::own_bonds : RanksKeep::all_bonds)),
-      own ? "each makes all particles, and steps its own" : "each has the whole body until a stage begins");
+      bytes_in_units(memory_of_each_rank(model, state, static_cast<double>(state.bonds.size()), ranks, keep)),
+      keep == RanksKeep::all_bonds ? "each has the whole body until a stage begins"
+                                   : "each makes all particles, and steps its own");
 }
 
 /// Bonds that may be made in the run, which no memory is told for above.

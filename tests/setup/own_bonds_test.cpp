@@ -10,8 +10,10 @@
 #include <vector>
 
 #include "dynamics/processes.hpp"
+#include "own_bonds_cases.hpp"
 #include "vbond/case/read.hpp"
 #include "vbond/core/error.hpp"
+#include "vbond/dynamics/gather.hpp"
 #include "vbond/dynamics/part_bonds.hpp"
 #include "vbond/model/step_bound.hpp"
 #include "vbond/setup/build.hpp"
@@ -22,102 +24,6 @@ namespace {
 Case parsed(const std::string& text) {
   return parse_case(text, "case.toml");
 }
-
-constexpr const char* block = R"(
-[[specimen]]
-kind = "block"
-cells = [5, 3, 3]
-radius = 0.4
-mass = 1.0
-[[bonds]]
-distance = 1.1
-stiffness = {c_A = 1.0, c_D = 0.3, c_B = 0.1, c_T = 0.1}
-[[stage]]
-duration = "3 T0"
-)";
-
-/// All at once that has an order, a draw or a memory: a second set, some of it by chance, of bonds that may
-/// break, with a prestrain beyond what they bear without flowing; particles that touch where they are not
-/// bonded.
-constexpr const char* mixed = R"(
-[[specimen]]
-kind = "block"
-cells = [6, 3, 2]
-radius = 0.72
-mass = 1.0
-[[bonds]]
-name = "edges"
-distance = 1.1
-theory = "bernoulli-euler"
-E = 31.8
-nu = 0.2
-section = {shape = "circle", diameter = 0.2}
-[[bonds]]
-name = "diagonals"
-distance = 1.5
-share = 0.6
-seed = 7
-prestrain = 0.01
-stiffness = {c_A = 3.0, c_D = 0.3, c_B = 0.1, c_T = 0.1}
-yield = {axial_force = 0.01, isotropic = {axial = 0.5}}
-strength = {criterion = "linear", axial_force = 0.05, shear_force = 0.05, bending_moment = 0.05, torque = 0.05, weibull = {modulus = 2, seed = 3}}
-[contact]
-law = "linear"
-k = 0.5
-pairs = "unbonded"
-[[velocities]]
-kind = "gaussian"
-magnitude = 1e-3
-[[stage]]
-duration = "3 T0"
-)";
-
-constexpr const char* flat_joints = R"(
-[[specimen]]
-kind = "block"
-cells = [4, 3, 2]
-radius = 0.5
-mass = 1.0
-[[bonds]]
-distance = 1.1
-flat_joint = {radial = 2, around = 4}
-theory = "parallel"
-k_n = 30.0
-k_s = 10.0
-section = {shape = "circle", diameter = 0.8}
-[[stage]]
-duration = "3 T0"
-)";
-
-constexpr const char* listed = R"(
-[[specimen]]
-kind = "block"
-cells = [4, 2, 2]
-radius = 0.4
-mass = 1.0
-[[bonds]]
-pairs = [[5, 4], [0, 1], [9, 8], [2, 6], [15, 14], [11, 10], [3, 7]]
-stiffness = {c_A = 1.0, c_D = 0.3, c_B = 0.1, c_T = 0.1}
-[[stage]]
-duration = "3 T0"
-)";
-
-constexpr const char* periodic = R"(
-[cell]
-a = [4, 0, 0]
-b = [0.3, 3, 0]
-c = [0, 0, 3]
-[[specimen]]
-kind = "block"
-cells = [4, 3, 3]
-radius = 0.4
-mass = 1.0
-[[bonds]]
-distance = 1.2
-stiffness = {c_A = 1.0, c_D = 0.3, c_B = 0.1, c_T = 0.1}
-[[stage]]
-duration = "3 T0"
-)";
 
 /// What a process has, and what it has sent for it.
 struct Made {
@@ -179,6 +85,7 @@ std::vector<Made> made_by(const Case& c, std::size_t processes) {
       if (!b.own) return;
       m.shared = shared_by(*b.own);
       m.whole = with_all_bonds(state, b.own->part, m.shared, process);
+      gather_particles(m.whole, own_particles(*b.own), process);
       m.order = order_of(b, k, processes);
       SharedByBonds shared;
       m.part = keep_known_bonds(*b.own, state, m.order, shared);
@@ -190,7 +97,8 @@ std::vector<Made> made_by(const Case& c, std::size_t processes) {
 class OwnBonds : public ::testing::TestWithParam<std::pair<const char*, const char*>> {};
 INSTANTIATE_TEST_SUITE_P(, OwnBonds,
                          ::testing::Values(std::pair("Mixed", mixed), std::pair("FlatJoints", flat_joints),
-                                           std::pair("Listed", listed), std::pair("Periodic", periodic)),
+                                           std::pair("Listed", listed), std::pair("Periodic", periodic),
+                                           std::pair("Turning", turning)),
                          [](const auto& p) { return std::string(p.param.first); });
 
 TEST_P(OwnBonds, AreThoseOfTheWholeBodyByNameAndNoProcessHasMore) {
@@ -202,11 +110,18 @@ TEST_P(OwnBonds, AreThoseOfTheWholeBodyByNameAndNoProcessHasMore) {
   const StepBound bound = step_bound(whole.model, whole.state);
   SharedByBonds shared;
   for (const Bond& b : whole.state.bonds) shared.add(b);
+  const std::size_t kinds = std::max(shared.laws.size(), shared.rules.size());
   if (GetParam().second == mixed) {  // else there would be nothing to lose
     EXPECT_FALSE(whole.state.bond_history.empty());
     EXPECT_NE(whole.state.books.dissipated, 0.0);
     EXPECT_FALSE(whole.notes.empty());
     EXPECT_GE(shared.rules.size(), 2u);
+  }
+  if (GetParam().second == turning) {
+    EXPECT_EQ(stage.critical, 0.5 / 50.0);
+    EXPECT_EQ(
+        std::count_if(begun.omega.begin(), begun.omega.end(), [](const Vec3d& w) { return norm(w) == 50.0; }),
+        3);
   }
   for (const std::size_t processes : {2u, 3u}) {
     const std::vector<Made> made = made_by(c, processes);
@@ -218,7 +133,8 @@ TEST_P(OwnBonds, AreThoseOfTheWholeBodyByNameAndNoProcessHasMore) {
       together += s.bonds.size();
       EXPECT_GT(s.bonds.size(), 0u);
       EXPECT_EQ(s.bonds.values().capacity(), s.bonds.size());
-      EXPECT_LT(m.gathered, 200u + 32u * bonds);  // a bound and its words; pairs, and no bonds
+      // a bound and its words; both ends of a bond of each kind; pairs, and no bonds
+      EXPECT_LT(m.gathered, 200u + 600u * kinds + 32u * bonds);
       ASSERT_EQ(own.part.names.size(), s.bonds.size());
       EXPECT_EQ(own.whole, bonds);
       for (const BondId k : s.bonds.ids()) {
@@ -242,6 +158,15 @@ TEST_P(OwnBonds, AreThoseOfTheWholeBodyByNameAndNoProcessHasMore) {
                                return a.name == b.name && a.i == b.i && a.j == b.j && a.image_j == b.image_j;
                              }));
       EXPECT_TRUE(m.whole == begun);
+      std::vector<ParticleId> asked_for = own_particles(own);
+      for (const Bond& b : s.bonds) asked_for.push_back(b.j);
+      EXPECT_TRUE(*s.q.held() == IdSet<ParticleId>(s.q.size(), asked_for));
+      EXPECT_TRUE(s.q.held() == s.v.held() && s.q.held() == s.omega.held());
+      s.q.held()->for_each([&](ParticleId p) {
+        EXPECT_EQ(s.q[p], begun.q[p]);
+        EXPECT_EQ(s.v[p], begun.v[p]);
+        EXPECT_EQ(s.omega[p], begun.omega[p]);
+      });
       EXPECT_TRUE(m.shared.laws == shared.laws && m.shared.rules == shared.rules);
       EXPECT_TRUE(s.books == whole.state.books);
       EXPECT_EQ(m.built.model.T_0, whole.model.T_0);
@@ -273,6 +198,19 @@ TEST(OwnBondsOf, CasesThatAskForTheWholeBodyAreNotCutUp) {
   EXPECT_TRUE(without([](Case& c) { c.bonds[0].select.value = AtCrossings{0.1}; }));
   EXPECT_TRUE(without([](Case& c) { c.stages[0].pressures.emplace_back(); }));
   EXPECT_TRUE(without([](Case& c) { c.sources.emplace_back(); }));
+}
+
+TEST(OwnBondsOf, CasesWithRigidGroupsHaveTheMotionOfAll) {
+  Case c = parsed(block);
+  EXPECT_TRUE(may_keep_own_motion(c));
+  c.stages[0].supports.emplace_back();
+  EXPECT_TRUE(may_keep_own_motion(c));
+  c.stages[0].supports[0].rigid = true;
+  EXPECT_FALSE(may_keep_own_motion(c));
+  EXPECT_TRUE(may_keep_own_bonds(c));
+  c.stages[0].supports.clear();
+  c.sources.emplace_back();
+  EXPECT_FALSE(may_keep_own_motion(c));
 }
 
 /// Which of two processes has the lower half of the particles; what each tells, or nothing.

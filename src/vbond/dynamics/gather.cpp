@@ -27,22 +27,22 @@ concept Summable = requires(Value& value) {
 template <class IdType>
 class Bring {
  public:
-  Bring(const std::vector<IdType>& own, const Exchange& exchange) : own_(own), exchange_(exchange) {}
+  Bring(const std::vector<IdType>& own, const Communicator& all) : own_(own), communicator_(all) {}
 
   template <class T>
   void operator()(Column<IdType, T>& column) {
-    if (!all_) all_ = exchange_.gather(own_);
+    if (!all_) all_ = communicator_.gather(own_);
     std::vector<T> values;
     values.reserve(own_.size());
     for (const IdType id : own_) values.push_back(column[id]);
-    const std::vector<T> of_all = exchange_.gather(values);
+    const std::vector<T> of_all = communicator_.gather(values);
     if constexpr (may_hold_some<IdType>) column.hold({});
     for (std::size_t k = 0; k < of_all.size(); ++k) column[(*all_)[k]] = of_all[k];
   }
 
  private:
   const std::vector<IdType>& own_;
-  const Exchange& exchange_;
+  const Communicator& communicator_;
   std::optional<std::vector<IdType>> all_;
 };
 
@@ -101,8 +101,8 @@ void keep_particles(State& state, const std::shared_ptr<const IdSet<ParticleId>>
   });
 }
 
-void gather_particles(State& state, const std::vector<ParticleId>& own, const Exchange& exchange) {
-  Bring<ParticleId> bring(own, exchange);
+void gather_particles(State& state, const std::vector<ParticleId>& own, const Communicator& all) {
+  Bring<ParticleId> bring(own, all);
   for_each_owned_column<ParticleId>(state, [&bring](auto& column) {
     if (!column.empty()) bring(column);
   });
@@ -112,8 +112,8 @@ void keep_particles(Model& model, const std::shared_ptr<const IdSet<ParticleId>>
   for_each_shared_column(model, [&some](auto& column) { column.hold(some); });
 }
 
-void gather_particles(Model& model, const std::vector<ParticleId>& own, const Exchange& exchange) {
-  Bring<ParticleId> bring(own, exchange);
+void gather_particles(Model& model, const std::vector<ParticleId>& own, const Communicator& all) {
+  Bring<ParticleId> bring(own, all);
   for_each_shared_column(model, [&bring](auto& column) { bring(column); });
 }
 

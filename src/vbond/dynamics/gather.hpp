@@ -25,12 +25,12 @@ void sum_values(State& state, const Exchange& exchange);
 /// Of all that belongs to particles, the state has that of these alone from now on.
 void keep_particles(State& state, const std::shared_ptr<const IdSet<ParticleId>>& some);
 /// It has that of all again: each part brings what it has of its own.
-void gather_particles(State& state, const std::vector<ParticleId>& own, const Exchange& exchange);
+void gather_particles(State& state, const std::vector<ParticleId>& own, const Communicator& all);
 
 /// The same of masses, least moments of inertia, first places and specimens of a model. All else of it is
 /// still whole.
 void keep_particles(Model& model, const std::shared_ptr<const IdSet<ParticleId>>& some);
-void gather_particles(Model& model, const std::vector<ParticleId>& own, const Exchange& exchange);
+void gather_particles(Model& model, const std::vector<ParticleId>& own, const Communicator& all);
 
 /// What belongs to particles and bonds, and what parts list, comes to all parts. What is this part's own has
 /// been collected from its rows. has_all_bonds: else bonds are left as they are.

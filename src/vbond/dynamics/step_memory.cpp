@@ -80,7 +80,7 @@ constexpr double places_bytes = sizeof(Row) + 2 * sizeof(std::size_t);
 constexpr double own_model_bytes = 2 * sizeof(double) + sizeof(Vec3d) + sizeof(std::uint32_t);
 
 /// Measured (docs/decisions/ranks.md): a rank of a body of 64 particles, and what LAMMPS has of each of its
-/// atoms.
+/// atoms. It keeps these where particles touch, which may go far.
 constexpr double rank_bytes = 53 * 0x1p20, atom_bytes = 110;
 /// While a rank looks for overlaps: where particles are, and their cells. Measured likewise.
 constexpr double look_bytes = 84;
@@ -112,24 +112,27 @@ MemoryUse memory_use(const Model& model, const State& state) {
 double memory_of_each_rank(const Model& model, const State& state, double bonds, int ranks, RanksKeep keep) {
   const MemoryUse use = memory_use(model, state);
   const auto n = static_cast<double>(model.particles());
-  const double own = n / ranks, of_lammps = rank_bytes + own * atom_bytes;
+  const double own = n / ranks, atoms = own * atom_bytes;
   if (ranks == 1 || keep == RanksKeep::all_bonds) {
     const double elsewhere = 1.0 - 1.0 / ranks;
     const double rows_elsewhere = any_capsules(model.contact, state.bonds) ? 0.0 : row_bytes * elsewhere;
     const double bond_elsewhere = (constants_per_bond(state) + BondIndex::bytes_per_bond) * elsewhere;
-    return of_lammps + n * (use.per_particle - rows_elsewhere) + bonds * (use.per_bond - bond_elsewhere);
+    return rank_bytes + atoms + n * (use.per_particle - rows_elsewhere) +
+           bonds * (use.per_bond - bond_elsewhere);
   }
   const double of_all = of_all_per_particle(model);
   constexpr double counts = 2 * sizeof(std::uint32_t) + 2.0;  // bonds of each particle, and whose it is
   constexpr double pair = 2 * sizeof(ParticleId) + sizeof(Image);
-  const double made = n * (of_all + own_model_bytes + state_bytes_per_particle + counts) +
-                      bonds / ranks * (sizeof(Bond) + boxed_per_bond(state) + sizeof(BondId) + pair);
   const double known = own + ghosts_of(model, own);
-  const double steps = n * of_all +
+  constexpr double place_bytes = sizeof(Vec3d), motion_bytes = state_bytes_per_particle - place_bytes;
+  const double made = atoms + n * (of_all + own_model_bytes + place_bytes + counts) +
+                      (keep == RanksKeep::own_motion ? known : n) * motion_bytes +
+                      bonds / ranks * (sizeof(Bond) + boxed_per_bond(state) + sizeof(BondId) + pair);
+  const double steps = (particles_touch(model.contact) ? atoms : 0.0) + n * of_all +
                        known * (use.per_particle - model_bytes_per_particle + own_model_bytes + look_bytes) +
                        bonds / ranks * (use.per_bond + sizeof(BondId));
   constexpr double for_a_moment = 1.05;  // messages, pieces of a checkpoint
-  return for_a_moment * (of_lammps + std::max(made, steps));
+  return for_a_moment * (rank_bytes + std::max(made, steps));
 }
 
 }  // namespace vbond

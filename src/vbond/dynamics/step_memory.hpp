@@ -1,4 +1,6 @@
 #pragma once
+#include <cstdint>
+
 #include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
 
@@ -18,14 +20,14 @@ MemoryUse memory_use(const Model& model, const State& state);
 /// Of a model.  [bytes]
 inline constexpr double model_bytes_per_particle = 4 * sizeof(double) + sizeof(Vec3d);
 
-/// Bonds of a body with so many, of which ranks keep their own alone from the set-up on, or each has all as a
-/// stage begins.
-enum class RanksKeep : bool { all_bonds, own_bonds };
+/// What each rank has from the set-up on: all bonds until a stage begins, or its own alone, or of
+/// orientations and velocities, too, those of its own particles and of few others.
+enum class RanksKeep : std::uint8_t { all_bonds, own_bonds, own_motion };
 
 /// About the most that each of so many ranks, >= 1, takes, with program, MPI and LAMMPS. In the time loop
 /// rows of particles, constants and index of bonds are shared out, and bonds, state and model if ranks keep
-/// their own alone. As such a body is set up each rank has all particles. The state may be that of one of
-/// them. [bytes]
+/// their own alone. As such a body is set up each rank has the places of all particles. The state may be that
+/// of one of them. [bytes]
 double memory_of_each_rank(const Model& model, const State& state, double bonds, int ranks, RanksKeep keep);
 
 }  // namespace vbond

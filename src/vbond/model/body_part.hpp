@@ -40,7 +40,8 @@ struct PartBonds {
 };
 
 /// What one of several processes knows of the bonds of a body from its set-up on, while it still has all
-/// particles, and its own bonds alone. `all` is nullptr: the state has all bonds.
+/// particles, but perhaps for some of their orientations and velocities, and its own bonds alone. `all` is
+/// nullptr: the state has all bonds.
 struct BondsFromSetUp {
   PartBonds part;                    ///< names of those that it keeps; its `others` are empty
   PerParticle<char> own;             ///< whether each particle is its own
@@ -50,6 +51,13 @@ struct BondsFromSetUp {
   PerBond<Bond> first;      ///< of the first pair of the body
   const Communicator* all = nullptr;
 };
+
+inline std::vector<ParticleId> own_particles(const BondsFromSetUp& known) {
+  std::vector<ParticleId> own;
+  for (const ParticleId p : known.own.ids())
+    if (known.own[p] != 0) own.push_back(p);
+  return own;
+}
 
 /// What one process sees of a body that several may share: sums over what is its own, added up, are of the
 /// whole body. Each particle is the own one of one process, and a bond that of its first particle; a pair

@@ -29,18 +29,37 @@ std::vector<char> feel_turns(const Model& model, const BodyPart& body, const Sta
   return feels;
 }
 
+struct Spinning {
+  ParticleId p;
+  double rate = 0;  // [rad/time]
+};
+
+/// Of those that feel it, the first of the fastest, of all processes where they share the velocities.
+Spinning fastest_spin(const BodyPart& body, const std::vector<char>& feels) {
+  const PerParticle<Vec3d>& omega = body.state.omega;
+  Spinning fastest;
+  for (const ParticleId p : omega.ids()) {
+    if (feels[p.value] == 0 || !omega.holds(p)) continue;
+    const double rate = norm(omega[p]);
+    if (rate > fastest.rate) fastest = {p, rate};
+  }
+  if (omega.holds_all()) return fastest;
+  for (const Spinning& s : body.all.gather(std::vector<Spinning>{fastest}))
+    if (s.rate > fastest.rate || (s.rate == fastest.rate && s.p < fastest.p)) fastest = s;
+  return fastest;
+}
+
 }  // namespace
 
 FastestTurn fastest_turn(const Model& model, const BodyPart& body, const Stage& stage, Spins spins) {
-  const State& state = body.state;
   FastestTurn fastest;
   const auto look = [&](double rate, const auto& name) {
     if (rate > fastest.rate) fastest = {rate, "the turning of " + name()};
   };
   if (spins == Spins::counted) {
     const std::vector<char> feels = feel_turns(model, body, stage);
-    for (const ParticleId p : state.omega.ids())
-      if (feels[p.value]) look(norm(state.omega[p]), [p] { return "particle " + std::to_string(p.value); });
+    const Spinning s = fastest_spin(body, feels);
+    look(s.rate, [&s] { return "particle " + std::to_string(s.p.value); });
   }
   for (const Support& s : stage.supports)
     look(norm(s.angular_velocity) * largest_factor(s.factor),

@@ -157,7 +157,10 @@ Share Ranks::spread(const Model& model, const State& state, double reach, bool k
 
 Share Ranks::spread_anew(const Model& model, const State& state) {
   const Waiting waiting(*this);
-  domains_->redistribute(straightened(model, state), work_of(model, state));
+  if (domains_)
+    domains_->redistribute(straightened(model, state), work_of(model, state));
+  else
+    make_domains(model, state, work_of(model, state), longest_bond(state));
   const std::vector<ParticleId> before = own_;
   Share share = share_of(model, state, longest_bond(state));
   std::int64_t come = 0;
@@ -202,6 +205,8 @@ Share Ranks::share_of(const Model& model, const State& state, double longest) {
     share.farthest = 0.5 * margin * reach_;
   else if (longest > 0.0)
     share.farthest = 0.25 * longest;
+  if (!(reach > 0.0) && !knows_all_)
+    domains_.reset();  // of bonds alone, which seldom go far: LAMMPS makes room
   return share;
 }
 

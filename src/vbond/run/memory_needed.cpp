@@ -14,6 +14,7 @@
 #include "vbond/model/state_table.hpp"
 #include "vbond/setup/bonds.hpp"
 #include "vbond/setup/build.hpp"
+#include "vbond/setup/own_bonds.hpp"
 
 namespace vbond {
 namespace {
@@ -147,14 +148,23 @@ std::vector<BondsToCome> bonds_to_come(const Case& c, const Run& run) {
   return found;
 }
 
+RanksKeep ranks_keep(const Case& c) {
+  if (may_keep_own_motion(c)) return RanksKeep::own_motion;
+  return may_keep_own_bonds(c) ? RanksKeep::own_bonds : RanksKeep::all_bonds;
+}
+
 void require_memory(const Case& c, const RanksHere& ranks) {
-  const double model_and_state = count_particles(c) * (model_bytes_per_particle + state_bytes_per_particle);
-  require(model_and_state * ranks.number, "at least", c, ranks, alone());
+  constexpr double place = sizeof(Vec3d), motion = state_bytes_per_particle - place;
+  const int times_motion = ranks_keep(c) == RanksKeep::own_motion ? 1 : ranks.number;  // once, or on each
+  require(count_particles(c) * ((model_bytes_per_particle + place) * ranks.number + motion * times_motion),
+          "at least", c, ranks, alone());
 }
 
 void require_memory(const Case& c, const Model& model, const BodyPart& body, const RanksHere& ranks) {
   if (ranks.all == 1) return;  // it is one process as any, of which this is told already
-  const RanksKeep keep = body.has_all_bonds() ? RanksKeep::all_bonds : RanksKeep::own_bonds;
+  const RanksKeep keep = body.has_all_bonds()       ? RanksKeep::all_bonds
+                         : body.state.v.holds_all() ? RanksKeep::own_bonds
+                                                    : RanksKeep::own_motion;
   const double of_each =
       memory_of_each_rank(model, body.state, static_cast<double>(count_bonds(body)), ranks.all, keep);
   require(ranks.number * of_each, "about", c, ranks, body.all);

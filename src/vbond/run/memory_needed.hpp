@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "vbond/case/case.hpp"
+#include "vbond/dynamics/step_memory.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/run/run.hpp"
@@ -28,6 +29,9 @@ struct BondsToCome {
 /// Of all stages from the next one on. Throws CaseError where the pairs that are near enough already do not
 /// fit into memory as bonds.
 std::vector<BondsToCome> bonds_to_come(const Case& c, const Run& run);
+
+/// What each of several ranks has of such a case.
+RanksKeep ranks_keep(const Case& c);
 
 /// The ranks of a run that share this machine.
 struct RanksHere {

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "vbond/dynamics/gather.hpp"
 #include "vbond/model/bond_sums.hpp"
 #include "vbond/model/energies.hpp"
 #include "vbond/model/holds.hpp"
@@ -302,6 +303,7 @@ const State& Run::current() const {
   if (own_ != nullptr) {
     const BondsFromSetUp own = std::exchange(*own_, {});
     own_.reset();
+    if (!state_.v.holds_all()) gather_particles(state_, own_particles(own), *own.all);
     state_ = with_all_bonds(std::move(state_), own.part, shared_by(own), *own.all);
   }
   return state_;

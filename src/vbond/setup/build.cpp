@@ -135,10 +135,40 @@ void add_particles(const PlacedSpecimen& s, std::uint32_t number, Built& built, 
     model.radius.push_back(properties.radius(i));
     model.specimen.push_back(number);
     model.r_0.push_back(s.points.r[i]);
-    built.state.q.push_back(
-        s.points.orientations.empty() ? s.points.q : normalised(s.points.q * s.points.orientations[i]));
-    built.state.v.push_back(s.points.v.empty() ? Vec3d{} : s.points.v[i]);
-    built.state.omega.push_back(s.points.omega.empty() ? Vec3d{} : s.points.omega[i]);
+  }
+}
+
+/// The state has orientations and velocities of these particles alone, which are as new; null: of all.
+void hold_motion(State& state, const PerParticle<Vec3d>::Some& some, std::size_t particles) {
+  const auto hold = [&](auto& column) {
+    if (some != nullptr)
+      column.hold(some);
+    else
+      column.assign(particles, {});
+  };
+  hold(state.q), hold(state.v), hold(state.omega);
+}
+
+/// Orientations and velocities of those particles that the state has them of.
+void set_motion(const std::vector<PlacedSpecimen>& specimens, const Model& model, State& state) {
+  for (const ParticleId p : model.specimen.ids()) {
+    if (!state.q.holds(p)) continue;
+    const PlacedSpecimen& s = specimens[model.specimen[p]];
+    const SpecimenPoints& of = s.points;
+    const std::size_t i = p.value - s.first;
+    state.q[p] = of.orientations.empty() ? of.q : normalised(of.q * of.orientations[i]);
+    if (!of.v.empty()) state.v[p] = of.v[i];
+    if (!of.omega.empty()) state.omega[p] = of.omega[i];
+  }
+}
+
+/// The model has their points, and nobody asks for pieces of them any more: what set_motion() takes is left.
+void keep_motion_alone(std::vector<PlacedSpecimen>& specimens) {
+  for (PlacedSpecimen& s : specimens) {
+    SpecimenPoints left;
+    left.q = s.points.q, left.orientations = std::move(s.points.orientations);
+    left.v = std::move(s.points.v), left.omega = std::move(s.points.omega);
+    s.points = std::move(left);
   }
 }
 
@@ -237,6 +267,16 @@ Built build_body(const Case& c, int threads, const KeepOwnBonds* processes) {
                          s.points.notes_on_open_bodies.end());
   }
   note_bond_types(c, specimens, built);
+  const bool motion_later =
+      processes != nullptr && may_keep_own_motion(c);  // known to few: see own_bonds.hpp
+  const auto know_motion_of = [&](const std::vector<ParticleId>& some) {
+    hold_motion(state, std::make_shared<IdSet<ParticleId>>(model.particles(), some), model.particles());
+  };
+  if (motion_later)
+    know_motion_of({});
+  else
+    hold_motion(state, nullptr, model.particles());
+  if (problems.none()) set_motion(specimens, model, state);
   add_sources(c, specimens, built, problems);
   problems.throw_if_any();
   add_cell(c, specimens, built, problems);
@@ -259,12 +299,17 @@ Built build_body(const Case& c, int threads, const KeepOwnBonds* processes) {
   if (processes != nullptr) processes->meet();
   throw_if_any();
   add_copies(c, built);
-  if (!c.cell) specimens = {};  // the model has their points, and nobody asks for pieces of them below
+  if (!c.cell) keep_motion_alone(specimens);
 
+  const auto complete_motion = [&](const std::vector<ParticleId>& some) {
+    if (!motion_later) return;
+    know_motion_of(some);
+    set_motion(specimens, model, state);
+  };
   SharedCells shared(threads);
   if (processes != nullptr)
     built.own = std::make_shared<BondsFromSetUp>(
-        make_own_bonds(c, model, state, slice, *processes, problems, shared));
+        make_own_bonds(c, model, state, slice, *processes, complete_motion, problems, shared));
   else
     for (std::size_t set = 0; set < c.bonds.size(); ++set)
       if (c.bonds[set].when == BondTime::start) add_bonds_at_start(c, set, built, problems, shared);

@@ -108,14 +108,13 @@ void add_names(const SetOfPairs& set, const PerParticle<char>& own, BondId first
 struct NamedBond {
   BondId name;
   std::uint32_t set, cell;
-  Pair pair;
+  BondSite i, j;
 };
 
-Bond made(const NamedBond& named, const Case& c, const Model& model, const State& state) {
+Bond made(const NamedBond& named, const Case& c) {
   BondRecipe recipe = c.bonds[named.set].recipe;
   recipe.set = named.set;
-  const auto [i, j] = sites_of({{named.pair}, {}}, 0, model, state);
-  return *make_bond(recipes_of(recipe)[named.cell], i, j);
+  return *make_bond(recipes_of(recipe)[named.cell], named.i, named.j);
 }
 
 /// Whether a bond has a law or rules that none of these has.
@@ -137,20 +136,19 @@ void add_first_ones(const Case& c, const std::vector<SetOfPairs>& sets, const Mo
     const bool is_new = is_of_new_kind(b, kinds);
     if (is_new) kinds.push_back(b);
     if (is_new || bonds.part.names[k].value == 0)
-      mine.push_back({bonds.part.names[k],
-                      b.set,
+      mine.push_back({bonds.part.names[k], b.set,
                       static_cast<std::uint32_t>((k.value - of_set) % sets[b.set].cells),
-                      {b.i, b.j, b.image_j}});
+                      bond_site(model, state, b.i), bond_site(model, state, b.j, b.image_j)});
   }
   std::vector<NamedBond> all = bonds.all->gather(mine);
   std::sort(all.begin(), all.end(), [](const NamedBond& a, const NamedBond& b) { return a.name < b.name; });
   for (const NamedBond& named : all) {
-    const Bond b = made(named, c, model, state);
+    const Bond b = made(named, c);
     if (is_of_new_kind(b, bonds.kinds)) bonds.kinds.push_back(b);
   }
   if (all.empty()) return;
   for (NamedBond first = all.front(); first.cell < sets[first.set].cells; ++first.cell)
-    bonds.first.push_back(made(first, c, model, state));
+    bonds.first.push_back(made(first, c));
 }
 
 /// Books what all processes have, in the order of the bonds of the whole body.
@@ -185,6 +183,12 @@ bool may_keep_own_bonds(const Case& c) {
   });
 }
 
+bool may_keep_own_motion(const Case& c) {
+  const auto is_rigid = [](const SupportSpec& s) { return s.rigid; };
+  return may_keep_own_bonds(c) &&
+         std::none_of(c.stages[0].supports.begin(), c.stages[0].supports.end(), is_rigid);
+}
+
 PerParticle<char> slice_of(const PerParticle<Vec3d>& r, const Communicator& all) {
   constexpr std::size_t bins = 1 << 14;
   const BoundingBox box = box_around(r);
@@ -216,7 +220,9 @@ void throw_if_any_has(const Problems& problems, const Communicator& all) {
 }
 
 BondsFromSetUp make_own_bonds(const Case& c, const Model& model, State& state, const PerParticle<char>& slice,
-                              const KeepOwnBonds& processes, Problems& problems, SharedCells& shared) {
+                              const KeepOwnBonds& processes,
+                              const std::function<void(const std::vector<ParticleId>&)>& complete,
+                              Problems& problems, SharedCells& shared) {
   const Communicator& all = processes.all;
   std::vector<SetOfPairs> sets = select_in_slice(c, model, state, slice, problems, shared);
   throw_if_any_has(problems, all);
@@ -227,8 +233,9 @@ BondsFromSetUp make_own_bonds(const Case& c, const Model& model, State& state, c
   bonds.whole = to_come.bonds;
   bonds.bonds = std::move(to_come.of_each);
   bonds.own.assign(model.particles(), 0);
-  for (const ParticleId p : processes.spread(model, state, to_come.of_first, std::sqrt(to_come.longest2)))
-    bonds.own[p] = 1;
+  std::vector<ParticleId> asked_for =
+      processes.spread(model, state, to_come.of_first, std::sqrt(to_come.longest2));
+  for (const ParticleId p : asked_for) bonds.own[p] = 1;
   to_come.of_first = {};
   std::size_t first = 0;
   for (SetOfPairs& set : sets) {
@@ -236,7 +243,10 @@ BondsFromSetUp make_own_bonds(const Case& c, const Model& model, State& state, c
     add_names(set, bonds.own, BondId{first}, bonds.part.names);
     for (const std::uint32_t pairs : set.of_first) first += pairs * set.cells;
     set.of_first = {};
+    for (const Pair& p : set.selected.pairs)
+      if (bonds.own[p.j] == 0) asked_for.push_back(p.j);
   }
+  complete(asked_for);
   state.bonds.reserve(bonds.part.names.size());
   std::vector<UnbookedBond> unbooked;
   for (std::size_t set = 0; set < sets.size(); ++set) {

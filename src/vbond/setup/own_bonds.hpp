@@ -19,6 +19,10 @@ namespace vbond {
 /// cell and an exact step do.
 bool may_keep_own_bonds(const Case& c);
 
+/// Whether each process of such a case may have the orientations and velocities of few particles alone. Rigid
+/// groups ask for those of all of theirs.
+bool may_keep_own_motion(const Case& c);
+
 /// The processes, and how they share out the particles.
 struct KeepOwnBonds {
   const Communicator& all;
@@ -35,11 +39,15 @@ struct KeepOwnBonds {
 /// this one. All processes find the same slices.
 PerParticle<char> slice_of(const PerParticle<Vec3d>& r, const Communicator& all);
 
-/// Selects the pairs of this slice, spreads the particles by the pairs of all, and makes own bonds. Throws
-/// CaseError on all processes where one finds a mistake, or where a set has no pair at all: the whole body is
-/// then to be looked at.
+/// Selects the pairs of this slice, spreads the particles by the pairs of all, and makes own bonds. Before
+/// there are bonds it calls complete() with its own particles and the second ends of its own pairs, of which
+/// they ask for orientations: until then the state need not have any, nor velocities. Throws CaseError on all
+/// processes where one finds a mistake, or where a set has no pair at all: the whole body is then to be
+/// looked at.
 BondsFromSetUp make_own_bonds(const Case& c, const Model& model, State& state, const PerParticle<char>& slice,
-                              const KeepOwnBonds& processes, Problems& problems, SharedCells& shared);
+                              const KeepOwnBonds& processes,
+                              const std::function<void(const std::vector<ParticleId>&)>& complete,
+                              Problems& problems, SharedCells& shared);
 
 /// Throws CaseError if one of these processes has found problems.
 void throw_if_any_has(const Problems& problems, const Communicator& all);

@@ -59,8 +59,10 @@ void add_velocities(const Case& c, const Model& model, State& state, Problems& p
                    "bodies come in with the velocities of their source", "give velocity to the source");
     for (const ParticleId p : group->particles) {
       if (is_waiting(state, p)) continue;
+      const Vec3d drawn = draw(spec, random);  // whoever has it: the next one draws on
+      if (!state.v.holds(p)) continue;
       Vec3d& v = state.v[p];
-      v += draw(spec, random);
+      v += drawn;
       if (rigid) v += cross(spec.angular_velocity, state.r[p] - centre);
       v = {spec.zero[0] ? 0.0 : v.x, spec.zero[1] ? 0.0 : v.y, spec.zero[2] ? 0.0 : v.z};
       if (rigid || spec.kind == VelocityKind::given) state.omega[p] += spec.angular_velocity;
