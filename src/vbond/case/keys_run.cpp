@@ -112,9 +112,9 @@ void describe_stress(Table& t, StressSpec& s) {
       "start, with their radii, so that the stress in a round group or in a part of a random packing comes "
       "out "
       "too small, as does that in a whole body that is pulled, whose outermost particles carry half: take a "
-      "group without them; \"spheres\": of its particles alone, without those that a sink has taken out, so "
-      "that "
-      "the stress in a body with gaps comes out too large");
+      "group without them; \"spheres\": of its particles alone, so that the stress in a body with gaps comes "
+      "out too "
+      "large");
 }
 
 void describe(Table& t, OutputSpec& o, bool any_dynamics, bool periodic) {

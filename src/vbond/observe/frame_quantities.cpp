@@ -91,8 +91,7 @@ constexpr BondQuantity of_bonds[] = {
     {"torque", unit::moment, "positive if it turns particle i about d, `M_t` of breaks.csv",
      [](const View& b) { return b.torque; }, Only::breaks},
     {"utilisation", unit::none,
-     "how near it is to breaking, at 1; 0 of a broken one, and of one without strength; by `elongation` "
-     "below 0 in compression",
+     "1 where it breaks; 0 if broken or without strength; by `elongation` below 0 in compression",
      [](const View& b) { return b.utilisation; }, Only::breaks},
     {"broken", unit::none,
      "0 whole; broken by 1 tension, 2 shear, 3 bending, 4 torsion, 5 compression, 6 what its law does not "

@@ -189,9 +189,8 @@ std::vector<GroupQuantity> before_terms() {
       {"axial_force",
        "GROUP",
        {{"", unit::force,
-         "mean of F.d over the unbroken bonds with both ends in the group, 0 without any; each cell of a "
-         "flat "
-         "joint counts; tension is positive"}},
+         "mean F.d of unbroken bonds and cells of joints with both ends in it, 0 without any; tension "
+         "positive"}},
        names_of<&OutputPlan::axial_force>,
        [](const Values& v, std::size_t k, std::vector<Cell>& to) { to.emplace_back(v.axial_force[k]); }},
       {"displacement",
@@ -230,7 +229,7 @@ std::vector<GroupQuantity> behind_terms() {
        {{"xx", unit::stress,
          "mean stress of the group, tension positive: the sum of x f over its particles' bonds and contacts, "
          "walls among them, where f acts on a particle at x from its centre, over the volume that is given; "
-         "the symmetric part; empty where that is of spheres and none is left"},
+         "the symmetric part"},
         {"yy", unit::stress},
         {"zz", unit::stress},
         {"yz", unit::stress},
