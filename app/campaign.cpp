@@ -97,7 +97,7 @@ Campaign open_campaign(const Case& c, Run& run, OutputPlan plan, int threads, co
     return count_bonds(body, is_one) > 0;
   };
   campaign.plan.breaks = campaign.plan.breaks || any(can_break);
-  campaign.plan.capsules = campaign.plan.capsules || any([](const Bond& b) { return b.capsule > 0.0; });
+  campaign.plan.capsules = campaign.plan.capsules || any([](const Bond& b) { return capsule_of(b) > 0.0; });
   campaign.plan.flow = campaign.plan.flow || any([](const Bond& b) {  // not cracks of joints that rub
                          return b.law->has_rules && b.law->remembers() && b.law->crack == nullptr;
                        });

@@ -86,8 +86,8 @@ void print_overview(const Case& c, const Model& model, const BodyPart& body) {
   const Bond* last = nullptr;  // the cells of a flat joint follow one another, and are of one pair
   const auto pairs = static_cast<double>(count_bonds(body, [&last](const Bond& b) {
     const Bond* const before = std::exchange(last, &b);
-    return !(before != nullptr && before->i == b.i && before->j == b.j && before->image_j == b.image_j &&
-             before->set == b.set);
+    return !(before != nullptr && before->i == b.i && before->j == b.j &&
+             image_of_j(*before) == image_of_j(b) && before->set == b.set);
   }));
   const auto n = static_cast<double>(model.particles());
   if (!c.title.empty()) fmt::print("{}\n", printable(c.title));

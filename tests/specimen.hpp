@@ -70,7 +70,7 @@ struct Chain {
     recipe.parameters = GivenCoefficients{{1.0, -0.005, 0.015, 0.00208333}};
     for (std::size_t k = 0; k + 1 < n; ++k) {
       const ParticleId i{k}, j{k + 1};
-      recipe.set = static_cast<std::uint32_t>(k);
+      recipe.set = static_cast<std::uint16_t>(k);
       recipe.law = k % 2 == 0 ? &bond_law<VModel> : &bond_law<Evm>;
       state.bonds.push_back(*make_bond(recipe, {i, state.r[i], state.q[i], model.radius[i]},
                                        {j, state.r[j], state.q[j], model.radius[j]}));

@@ -22,7 +22,7 @@ constexpr int numbers_each = sizeof(T) / sizeof(double);
 template <class Class>
 void bind_columns(Class& type) {
   for_each_table(state_table, [&](const auto& table) {
-    for_each_field(table, [&]<class Of, class Value>(const Field<Of, Value>& f) {
+    for_each_field(table, [&]<class Of, class Value, class Member>(const Field<Of, Value, Member>& f) {
       if constexpr (is_particle_column<Value>) {
         if (f.traits.word == nullptr) return;
         constexpr int each = numbers_each<std::remove_cvref_t<decltype(*Value{}.data())>>;

@@ -152,7 +152,7 @@ Tally throw_fibres(bool as_capsules, unsigned count, double fraction) {
     const Vec3d v{dice(-0.2, 0.2), dice(-0.2, 0.2), -dice(0.1, 0.6)};
     for (std::size_t p = 7; p < 14; ++p) s.state.v[ParticleId{p}] = v + dice.vector(0.05);
     if (!as_capsules)
-      for (Bond& b : s.state.bonds) b.capsule = 0.0;
+      for (Bond& b : s.state.bonds) set_capsule(b, 0.0);
     const double dt = fraction * step_bound(s.model, s.state).dt;
     Simulation run(s.model, plain_stage(dt, 8.0), s.state);
     Vec3d before, after;

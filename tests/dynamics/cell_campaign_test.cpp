@@ -100,7 +100,7 @@ Plain by_copies(const Model& model, const State& s) {
     sum.force_times_r += dyad(F, r_ij);
   };
   for (const Bond& b : s.bonds) {
-    const Vec3d r_ij = place(b.j.value, b.image_j.a, b.image_j.b, b.image_j.c) - s.r[b.i];
+    const Vec3d r_ij = place(b.j.value, image_of_j(b).a, image_of_j(b).b, image_of_j(b).c) - s.r[b.i];
     const BondPose<double> pose = bond_pose(b, r_ij, s.q[b.i], s.q[b.j]);
     const BondLoads<double> l = b.law->loads(b, pose, no_history);
     const BondEnergy<double> u = b.law->energy(b, pose, no_history);
@@ -112,7 +112,7 @@ Plain by_copies(const Model& model, const State& s) {
   const double E_star = model.contact.E / (2.0 * (1.0 - model.contact.nu * model.contact.nu));
   const auto is_bonded = [&](std::size_t i, std::size_t j, int a, int b, int c) {
     const auto joins = [&](const Bond& bond) {
-      const Image& to = bond.image_j;
+      const Image& to = image_of_j(bond);
       return (bond.i.value == i && bond.j.value == j && to.a == a && to.b == b && to.c == c) ||
              (bond.i.value == j && bond.j.value == i && to.a == -a && to.b == -b && to.c == -c);
     };

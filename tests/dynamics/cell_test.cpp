@@ -73,7 +73,7 @@ Stage stage_of(double dt) {
 Vec3d far_end(const State& s, const Bond& b) {
   const Vec3d &A = s.cell[0].along, &B = s.cell[1].along, &C = s.cell[2].along, &r = s.r[b.j];
   const auto at = [&](double x, double a, double bb, double c) {
-    return x + b.image_j.a * a + b.image_j.b * bb + b.image_j.c * c;
+    return x + image_of_j(b).a * a + image_of_j(b).b * bb + image_of_j(b).c * c;
   };
   return {at(r.x, A.x, B.x, C.x), at(r.y, A.y, B.y, C.y), at(r.z, A.z, B.z, C.z)};
 }
@@ -178,7 +178,11 @@ TEST(PeriodicBody, StressDoesNotDependOnOriginOrCell) {
     for (Vec3d& r : moved.state.r) r += Vec3d{3.7, -2.2, 0.9};
     Body other = b;  // b' = a + b: the same lattice, so that n_a a + n_b b = (n_a - n_b) a + n_b b'
     other.state.cell[1].along += other.state.cell[0].along;
-    for (Bond& bond : other.state.bonds) bond.image_j.a -= bond.image_j.b;
+    for (Bond& bond : other.state.bonds) {
+      Image n = image_of_j(bond);
+      n.a -= n.b;
+      set_image_of_j(bond, n);
+    }
     for (const Body& same : {moved, other}) {
       const Tensor again = cell_stress(same.model, same.state);
       for (std::size_t row = 0; row < 3; ++row)
@@ -378,8 +382,8 @@ TEST(PeriodicBody, MovesAlikeInACellTwiceAsLong) {
     const Stage stage_of_one = sticking(12), stage_of_two = sticking(24);
     const State s = run_until(one.model, stage_of_one, one.state, 250, 1),
                 t = run_until(two.model, stage_of_two, two.state, 250, 2);
-    const auto through_faces =
-        std::count_if(s.bonds.begin(), s.bonds.end(), [](const Bond& b) { return !b.image_j.is_itself(); });
+    const auto through_faces = std::count_if(s.bonds.begin(), s.bonds.end(),
+                                             [](const Bond& b) { return !image_of_j(b).is_itself(); });
     EXPECT_GT(through_faces, 0) << seed;
     EXPECT_GT(s.breaks, 0) << seed;
     EXPECT_EQ(t.bonds.size(), 2 * s.bonds.size()) << seed;

@@ -82,10 +82,9 @@ TEST(MemoryUse, OfRanksIsWhatEachHoldsAsItIsMadeOrSteps) {
   const double rows = N * (3 * 64.0 + 4 * 8.0 + 4.0);
   EXPECT_GT(whole - many, rows + (56.0 + 16.0) * bonds);
   EXPECT_LT(whole - many, rows + (66.0 + 16.0) * bonds);
-  // where ranks keep their own bonds, they have all particles as these are made: model, state, a list of the
-  // one group, counts and marks
+  // where ranks keep their own bonds, they have all particles as these are made: model, state, counts, marks
   const double made = of_own(very_many) - program;
-  EXPECT_NEAR(made, N * (52.0 + 4.0 + 104.0 + 8.0 + 4.0), 1.0 + 250.0 * (1 + bonds) / very_many * N);
+  EXPECT_NEAR(made, N * (52.0 + 104.0 + 8.0 + 4.0), 1.0 + 250.0 * (1 + bonds) / very_many * N);
   // or of the state, the places alone of all
   const double placed = of_each(very_many, RanksKeep::own_motion) / 1.05 - program;
   EXPECT_NEAR(placed, made - N * 80.0, 1.0 + 4.0 * 80.0);  // of two: its own and its ghosts
@@ -95,7 +94,7 @@ TEST(MemoryUse, OfRanksIsWhatEachHoldsAsItIsMadeOrSteps) {
                ghosts = 3.0 * (std::pow(2.0 * quarter, 2.0 / 3.0) - std::pow(quarter, 2.0 / 3.0));
   EXPECT_NEAR(
       of_own(2) - of_own(4),
-      (quarter + ghosts) * (use.per_particle - 12.0 + 84.0) + 0.25 * bonds * (use.per_bond + sizeof(BondId)),
+      (quarter + ghosts) * (use.per_particle - 8.0 + 84.0) + 0.25 * bonds * (use.per_bond + sizeof(BondId)),
       1e-3);
 }
 

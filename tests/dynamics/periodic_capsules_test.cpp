@@ -122,11 +122,11 @@ Specimen with_copies(const Specimen& s, int n) {
   for (const ParticleId q : all.state.q.ids()) all.state.q[q] = s.state.q[ParticleId{q.value % particles}];
   for (const Image& k : copies)
     for (Bond b : s.state.bonds) {
-      const Image of_j = k + b.image_j;
+      const Image of_j = k + image_of_j(b);
       if (std::max({std::abs(of_j.a), std::abs(of_j.b), std::abs(of_j.c)}) > n) continue;
       b.i = ParticleId{index(k) * particles + b.i.value};
       b.j = ParticleId{index(of_j) * particles + b.j.value};
-      b.image_j = {};
+      set_image_of_j(b, {});
       all.state.bonds.push_back(b);
     }
   return all;
@@ -231,7 +231,7 @@ TEST(PeriodicCapsules, MoveAlikeWhereverTheirParticlesAre) {
       other.state.r[p] += to_image(other.state.cell, moved.back());
       other.model.r_0[p] = other.state.r[p];
     }
-    for (Bond& b : other.state.bonds) b.image_j = b.image_j + moved[b.i.value] - moved[b.j.value];
+    for (Bond& b : other.state.bonds) set_image_of_j(b, image_of_j(b) + moved[b.i.value] - moved[b.j.value]);
     Stage stage = moving_cell(0.005);
     stage.b_translation = 0.0;
     Simulation a(one.model, stage, one.state), b(other.model, stage, other.state, 3);

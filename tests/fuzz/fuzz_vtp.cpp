@@ -20,7 +20,7 @@ page::FrameFiles good_frame(std::int64_t step, bool periodic = false) {
   if (periodic) {
     body.model.cell = {{Vec3d{4, 0, 0}, {1, 4, 0}, {0, 0, 4}}, {true, true, false}, {-1, -1, -1}, true};
     body.state.cell = cell_at_start(body.model);
-    body.state.bonds[BondId{0}].image_j = {0, 1, 0};
+    set_image_of_j(body.state.bonds[BondId{0}], {0, 1, 0});
     format.cell = format.wrap = true;
   }
   body.state.clock.step = body.state.clock.stage_step = step;

@@ -41,7 +41,7 @@ TEST(Bond, HasTheFramesThatItIsGiven) {
     set_frames(bond, one, in_j);
     EXPECT_EQ(bond.frame_i, one);
     EXPECT_EQ(frame_j(bond), in_j);
-    EXPECT_EQ(static_cast<bool>(bond.other_frame_j), in_j != one);
+    EXPECT_EQ(has_other_frame(bond), in_j != one);
     const Bond copy = bond;
     EXPECT_TRUE(copy == bond);
     EXPECT_EQ(frame_j(copy), in_j);

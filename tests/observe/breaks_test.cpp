@@ -54,7 +54,7 @@ Chain brittle_chain(const std::vector<double>& strengths) {
     BondRecipe recipe;
     recipe.parameters = BondStiffness<double>{1.0, 0.1, 0.1, 0.1};
     recipe.rules.strength = linear_strength(strengths[k], 1.0, 1.0, 1.0);
-    recipe.set = static_cast<std::uint32_t>(10 + k);
+    recipe.set = static_cast<std::uint16_t>(10 + k);
     chain.state.bonds.push_back(make_bond(recipe, bond_site(chain.model, chain.state, ParticleId{k}),
                                           bond_site(chain.model, chain.state, ParticleId{k + 1}))
                                     .value());
@@ -209,7 +209,8 @@ Chain chain_in_cell(const std::vector<double>& x, const std::vector<std::int32_t
   for (double& m : chain.model.mass) m = 1.0;
   chain.state.r = chain.model.r_0;
   chain.state.cell = cell_at_start(chain.model);
-  for (std::size_t k = 0; k < image.size(); ++k) chain.state.bonds[BondId{k}].image_j = {image[k], 0, 0};
+  for (std::size_t k = 0; k < image.size(); ++k)
+    set_image_of_j(chain.state.bonds[BondId{k}], {image[k], 0, 0});
   return chain;
 }
 FragmentMotion motion_of(const Chain& chain) {
@@ -236,7 +237,8 @@ TEST(Fragments, CentreIsThatOfTheBodyThatAFaceCuts) {
 TEST(Fragments, WithoutEndHaveNoCentre) {
   const Folder folder;
   Chain ring = chain_in_cell({0, 2, 4, 1}, {0, 0, 0});
-  ring.state.bonds[BondId{2}].j = ParticleId{0}, ring.state.bonds[BondId{2}].image_j = {1, 0, 0};
+  ring.state.bonds[BondId{2}].j = ParticleId{0};
+  set_image_of_j(ring.state.bonds[BondId{2}], {1, 0, 0});
   ring.state.v[ParticleId{0}] = {0.3, 0, 0};
   ring.state.cell[0].rate = {0.6, 0, 0};
   const FragmentMotion m = motion_of(ring);

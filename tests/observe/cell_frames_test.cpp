@@ -96,7 +96,8 @@ TEST(CellFrame, WrappedParticlesStandInTheCellAndBondsWithThem) {
     ring.state.r[p] += to_image(ring.state.cell, away[p.value]);
     ring.state.v[p] += image_velocity(ring.state.cell, away[p.value]);
   }
-  for (Bond& bond : ring.state.bonds) bond.image_j = bond.image_j + away[bond.i.value] - away[bond.j.value];
+  for (Bond& bond : ring.state.bonds)
+    set_image_of_j(bond, image_of_j(bond) + away[bond.i.value] - away[bond.j.value]);
   const FrameFormat format{.cell = true, .wrap = true};
   FrameWriter writer(folder.path(), true, {}, format);
   writer.write(ring.model, ring.state);

@@ -60,7 +60,7 @@ Checkpoint busy_checkpoint(Chain& chain) {
   chain.state.carried = {{ParticleId{0}, 2}, {ParticleId{2}, 1}};
   chain.state.pressed = {{0, ParticleId{0}, ParticleId{1}, ParticleId{2}, {0.1, -1, 2}, {}},
                          {1, ParticleId{2}, ParticleId{0}, ParticleId{2}, {3, 0, 0.7}, {0.2, 0.1, 0}}};
-  chain.state.bonds[BondId{0}].capsule = 0.3;
+  set_capsule(chain.state.bonds[BondId{0}], 0.3);
   chain.state.fibre_history = {{ParticleId{0},
                                 ParticleId{1},
                                 ParticleId{2},

@@ -105,7 +105,7 @@ Share part_of_bar(const Specimen& s, State& state, std::size_t k, std::size_t pa
     if (owner(p) != k || !n.is_itself()) holding.ghosts.push_back({p, n});
   };
   for (const Bond& b : state.bonds)
-    if (owner(b.i) == k) ghost(b.j, b.image_j);
+    if (owner(b.i) == k) ghost(b.j, image_of_j(b));
   if (particles_touch(s.model.contact)) {
     const std::vector<double> sizes(s.model.particles(), 1.0);  // farther than contacts reach
     for_overlapping_images(state.cell, s.model.cell.periodic, state.r.values(), sizes, 0.0,

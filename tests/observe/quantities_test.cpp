@@ -154,7 +154,7 @@ TEST(Quantities, EveryDataSetOfACheckpointHasItsUnitAndMeaning) {
   chain.state.contact_history = {{ParticleId{0}, ParticleId{2}, {1.0}}};
   make_top(chain.model, ParticleId{1}, {{1, 2, 2}, {}});
   chain.state.spin.resize(chain.state.r.size());
-  chain.state.bonds[BondId{0}].capsule = 0.3;
+  set_capsule(chain.state.bonds[BondId{0}], 0.3);
   chain.state.fibre_history = {
       {ParticleId{0}, ParticleId{1}, ParticleId{2}, ParticleId{2}, 0.5, 0.0, 0.3, 0.2, {}, {}}};
   chain.model.walls = {{"floor", PlaneWall{{}, {0, 0, 1}}, 0, {}}};
@@ -184,8 +184,8 @@ TEST(Quantities, EveryDataSetOfACheckpointHasItsUnitAndMeaning) {
   periodic.model.cell = {{Vec3d{9, 0, 0}, {0, 9, 0}, {0, 0, 9}}, {true, true, true}, {}, false};
   periodic.state.cell = {
       {{9, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 0, 3}}, {{0, 9, 0}, {}, {}, {}}, {{0, 0, 9}, {}, {}, {}}};
-  periodic.state.bonds[BondId{0}].image_j = {0, 1, 0};
-  periodic.state.bonds[BondId{0}].capsule = 0.3;
+  set_image_of_j(periodic.state.bonds[BondId{0}], {0, 1, 0});
+  set_capsule(periodic.state.bonds[BondId{0}], 0.3);
   periodic.state.fibre_history = {{ParticleId{0},
                                    ParticleId{1},
                                    ParticleId{2},

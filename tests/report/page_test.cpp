@@ -30,7 +30,7 @@ struct Film {
   explicit Film(std::size_t frames = 5, std::size_t particles = 3, FrameFormat format = {}) {
     Chain chain(particles);
     chain.state.bonds[BondId{0}].a = 0.8;  // a strain is not an elongation
-    if (format.capsules) chain.state.bonds[BondId{1}].capsule = 0.25;
+    if (format.capsules) set_capsule(chain.state.bonds[BondId{1}], 0.25);
     FrameWriter writer(folder.path(), false, {}, format);
     for (std::size_t f = 0; f < frames; ++f) {
       const auto x = static_cast<double>(f);

@@ -114,7 +114,7 @@ TEST(CrossingsInMotion, StepBoundIsBelowTheExactOne) {
     const Case c = parse_case(text, "case.toml");
     Built b = build(c);
     b.model.contact = {};
-    for (Bond& bond : b.state.bonds) bond.capsule = 0.0;
+    for (Bond& bond : b.state.bonds) set_capsule(bond, 0.0);
     const StepBound bound = step_bound(b.model, b.state, {}, {}, 0.0);
     const double exact = exact_critical_step(b.model, b.state, {});
     EXPECT_LT(bound.dt, exact) << seed;

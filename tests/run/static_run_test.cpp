@@ -142,7 +142,7 @@ TEST(Run, AStaticLoadIsAddedToTheNextStage) {
 TEST(Run, RefusesCapsulesInStaticStages) {
   Specimen s = testing::straight_rod(5);
   s.model.contact = {.law = ContactLaw::hertz, .E = 10.0, .nu = 0.2};
-  for (Bond& b : s.state.bonds) b.capsule = 0.2;
+  for (Bond& b : s.state.bonds) set_capsule(b, 0.2);
   vbond::Run run(s.model, s.state, {bend()});
   try {
     run.run();

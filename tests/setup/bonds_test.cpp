@@ -181,9 +181,9 @@ TEST(Capsules, HaveTheSmallerRadiusOfTheirParticlesUnlessItIsGiven) {
   Case c = paper_rod();
   c.contact = {.law = ContactLaw::hertz, .E = 100.0, .nu = 0.2};
   c.bonds[0].recipe.capsule = true;
-  EXPECT_EQ(build(c).state.bonds[BondId{0}].capsule, c.specimens[0].radius);
+  EXPECT_EQ(capsule_of(build(c).state.bonds[BondId{0}]), c.specimens[0].radius);
   c.bonds[0].recipe.capsule_radius = 0.25;
-  EXPECT_EQ(build(c).state.bonds[BondId{8}].capsule, 0.25);
+  EXPECT_EQ(capsule_of(build(c).state.bonds[BondId{8}]), 0.25);
 }
 
 TEST(Bonds, ThatSoftenMustNotSnapBack) {

@@ -80,7 +80,7 @@ TEST(CaseCell, BondsThroughFacesHaveStrengthsOfTheirOwn) {
     const Built b = built(along, false);
     for (const Bond& bond : b.state.bonds) {
       different.insert(strength_factor(bond));
-      if (along != 2 || !bond.image_j.is_itself()) continue;
+      if (along != 2 || !image_of_j(bond).is_itself()) continue;
       EXPECT_EQ(strength_factor(bond), (of_open.at({bond.i, bond.j})));
       ++inside;
     }

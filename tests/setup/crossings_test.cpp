@@ -133,9 +133,10 @@ Body body_of(const Built& built) {
   Body body;
   body.r = built.state.r.values();
   for (const Bond& b : built.state.bonds)
-    if (b.capsule > 0.0)
+    if (capsule_of(b) > 0.0)
       body.segments.push_back(
-          {{{b.i.value, 0, 0, 0}, {b.j.value, b.image_j.a, b.image_j.b, b.image_j.c}}, b.capsule});
+          {{{b.i.value, 0, 0, 0}, {b.j.value, image_of_j(b).a, image_of_j(b).b, image_of_j(b).c}},
+           capsule_of(b)});
   body.edges = built.model.cell.edges;
   for (std::size_t k = 0; k < 3; ++k) body.far[k] = built.model.cell.periodic[k] ? 2 : 0;
   return body;
@@ -234,7 +235,7 @@ Built straight(const std::vector<std::pair<Vec3d, Vec3d>>& ends, std::size_t par
   for (std::size_t k = 0; k + 1 < r.size(); ++k)
     if ((k + 1) % particles != 0) {
       Bond bond;
-      bond.i = ParticleId{k}, bond.j = ParticleId{k + 1}, bond.capsule = R;
+      bond.i = ParticleId{k}, bond.j = ParticleId{k + 1}, set_capsule(bond, R);
       b.state.bonds.push_back(bond);
     }
   return b;
@@ -286,7 +287,7 @@ TEST(Crossings, AreBondedWithoutEnergyFromAxisToAxisOrBetweenSurfaces) {
     for (const Crossing& c :
          crossings_within(b.model, b.state, b.state.bonds, 0.1))  // what is bonded is found no more
       for (const Bond& bond : b.state.bonds)
-        EXPECT_FALSE(in_order({bond.i, bond.j, bond.image_j}) == c.pair) << c.pair.i.value;
+        EXPECT_FALSE(in_order({bond.i, bond.j, image_of_j(bond)}) == c.pair) << c.pair.i.value;
     std::size_t glued = 0;
     for (const BondId k : b.state.bonds.ids()) {
       const Bond& bond = b.state.bonds[k];

@@ -265,7 +265,7 @@ TEST(Fibres, OfACellGoThroughItsFacesAndDoNotCross) {
   EXPECT_NEAR(each * double(chains.points.size()) / V, 0.05, 0.02 * 0.05);
   EXPECT_GE(least_distance(chains, 0.5), 0.32 - 1e-12);
   EXPECT_GT(std::count_if(b.state.bonds.begin(), b.state.bonds.end(),
-                          [](const Bond& k) { return !k.image_j.is_itself(); }),
+                          [](const Bond& k) { return !image_of_j(k).is_itself(); }),
             50);
   for (const Vec3d& r : b.model.r_0) {  // of the corner: parts of the edges
     EXPECT_GE(r.z, 1.0);

@@ -42,7 +42,7 @@ TEST(LammpsCell, IsTheBoxOfTheFile) {
   EXPECT_EQ(b.model.cell.periodic, (Periodic{true, true, true}));
   EXPECT_EQ(b.model.r_0[ParticleId{3}], (Vec3d{-0.5, 2.75, 10}));  // by its flag, not back in the cell
   ASSERT_EQ(b.state.bonds.size(), 1u);
-  EXPECT_EQ(b.state.bonds[BondId{0}].image_j, (Image{-1, 0, 0}));
+  EXPECT_EQ(image_of_j(b.state.bonds[BondId{0}]), (Image{-1, 0, 0}));
   EXPECT_DOUBLE_EQ(b.state.bonds[BondId{0}].a, 1.5);
   EXPECT_TRUE(b.notes.empty());
 }
@@ -155,7 +155,7 @@ TEST(LammpsCell, ABodyThatIsWrittenAndReadHasTheSameEnergy) {
     const auto moved = [&](ParticleId p) {
       return Image{p.value % 3 == 0 ? 2 : 0, p.value % 5 == 0 ? -1 : 0, 0};
     };
-    bond.image_j = bond.image_j + moved(bond.i) - moved(bond.j);
+    set_image_of_j(bond, image_of_j(bond) + moved(bond.i) - moved(bond.j));
   }
   const TemporaryFile file("box.data", written(first));
   Built again = build(with_cell(file, "from_specimen = \"grains\""));

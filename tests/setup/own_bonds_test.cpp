@@ -147,7 +147,7 @@ TEST_P(OwnBonds, AreThoseOfTheWholeBodyByNameAndNoProcessHasMore) {
         const Bond& b = whole.state.bonds[k];
         ++bonds_of[b.i], ++bonds_of[b.j];
         if (!m.order.has(b.i) && (m.order.knows(b.i) || m.order.knows(b.j)))
-          others.push_back({k, b.i, b.j, b.image_j});
+          others.push_back({k, b.i, b.j, image_of_j(b)});
       }
       EXPECT_TRUE(own.bonds == bonds_of);
       for (const ParticleId p : own.own.ids()) EXPECT_EQ(own.own[p] != 0, m.order.has(p));

@@ -287,7 +287,7 @@ TEST(PackingBonds, OfRandomGrainsInASlantedCellAreThoseWithAFace) {
                        (folder / "case.toml").string()));
   std::filesystem::remove_all(folder);
   for (const Bond& bond : b.state.bonds)
-    found.insert({bond.i.value, bond.j.value, bond.image_j.a, bond.image_j.b, bond.image_j.c});
+    found.insert({bond.i.value, bond.j.value, image_of_j(bond).a, image_of_j(bond).b, image_of_j(bond).c});
   EXPECT_EQ(found, wanted);
   EXPECT_GT(found.size(), 120u);
 }

@@ -34,7 +34,7 @@ inline Chains chains_of(const Built& b) {
     if (to != from + 1) return {};
     if (chains.points.empty() || from != last) chains.points.push_back({b.model.r_0[ParticleId{from}]});
     Vec3d way = b.model.r_0[ParticleId{to}] - b.model.r_0[ParticleId{from}];
-    const Image n = forward ? bond.image_j : -bond.image_j;
+    const Image n = forward ? image_of_j(bond) : -image_of_j(bond);
     for (const auto& [k, count] : {std::pair{0, n.a}, {1, n.b}, {2, n.c}})
       way = way + static_cast<double>(count) * chains.edges[static_cast<std::size_t>(k)];
     chains.points.back().push_back(chains.points.back().back() + way);

@@ -187,11 +187,13 @@ Specimen repeated(const Specimen& s, int n, int edge) {
   }
   for (int cell = 0; cell < n; ++cell)
     for (Bond b : s.state.bonds) {
-      std::int32_t& along_edge = edge == 0 ? b.image_j.a : edge == 1 ? b.image_j.b : b.image_j.c;
+      Image image = image_of_j(b);
+      std::int32_t& along_edge = edge == 0 ? image.a : edge == 1 ? image.b : image.c;
       const int to = cell + along_edge, whole = to >= 0 ? to / n : -((n - 1 - to) / n);
       b.i = ParticleId{b.i.value + static_cast<std::size_t>(cell) * N};
       b.j = ParticleId{b.j.value + static_cast<std::size_t>(to - n * whole) * N};
       along_edge = whole;
+      set_image_of_j(b, image);
       t.state.bonds.push_back(b);
     }
   return t;
@@ -320,7 +322,7 @@ class Waving {
     std::vector<Vec3d> all(2 * model_.particles());
     for (const Bond& b : at_.bonds)
       for (const bool other_end : {false, true}) {
-        const Image i = other_end ? -b.image_j : Image{}, j = other_end ? Image{} : b.image_j;
+        const Image i = other_end ? -image_of_j(b) : Image{}, j = other_end ? Image{} : image_of_j(b);
         const auto u_i = moved(b.i, i), u_j = moved(b.j, j);
         const Vec3d way = place(b.j, j) + u_j[0] - place(b.i, i) - u_i[0];
         const BondLoads<double> f = b.law->loads(

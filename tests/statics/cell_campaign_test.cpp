@@ -73,7 +73,7 @@ class Copies {
                 const Tensor& L = {}) const {
     double U = 0.0;
     for (const Bond& b : at_.bonds) {
-      const Vec3d i = copy(b.i.value, {}, p, shift, L), j = copy(b.j.value, b.image_j, p, shift, L);
+      const Vec3d i = copy(b.i.value, {}, p, shift, L), j = copy(b.j.value, image_of_j(b), p, shift, L);
       const auto turned = [&](ParticleId q) {
         return q.value == p ? rotation_of(turn) * at_.q[q] : at_.q[q];
       };

@@ -346,11 +346,13 @@ Specimen seen_otherwise(const Specimen& s) {
   auto& [a, b, c] = t.model.cell.edges;
   b += a;  // n_a a + n_b b = (n_a - n_b) a + n_b (a + b)
   t.state.cell = cell_at_start(t.model);
-  for (Bond& k : t.state.bonds) k.image_j.a -= k.image_j.b;
   const Image moved{1, -2, 0};  // of particle 0
   for (Bond& k : t.state.bonds) {
-    if (k.i.value == 0) k.image_j = k.image_j + moved;
-    if (k.j.value == 0) k.image_j = k.image_j - moved;
+    Image n = image_of_j(k);
+    n.a -= n.b;
+    if (k.i.value == 0) n = n + moved;
+    if (k.j.value == 0) n = n - moved;
+    set_image_of_j(k, n);
   }
   t.state.r[ParticleId{0}] += to_image(t.state.cell, moved);
   for (Vec3d& r : t.state.r) r += Vec3d{0.3, -0.2, 0.7};
@@ -370,10 +372,12 @@ Specimen doubled(const Specimen& s) {
   for (std::size_t p = 0; p < 2 * n; ++p) t.state.q[ParticleId{p}] = s.state.q[ParticleId{p % n}];
   for (const int cell : {0, 1})
     for (Bond b : s.state.bonds) {
-      const int to = cell + b.image_j.c, whole = to >= 0 ? to / 2 : -((1 - to) / 2);
+      Image image = image_of_j(b);
+      const int to = cell + image.c, whole = to >= 0 ? to / 2 : -((1 - to) / 2);
       b.i = ParticleId{b.i.value + static_cast<std::size_t>(cell) * n};
       b.j = ParticleId{b.j.value + static_cast<std::size_t>(to - 2 * whole) * n};
-      b.image_j.c = whole;
+      image.c = whole;
+      set_image_of_j(b, image);
       t.state.bonds.push_back(b);
     }
   return t;

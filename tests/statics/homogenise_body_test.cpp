@@ -134,12 +134,13 @@ std::optional<std::pair<Specimen, BodySurface>> with_ends(const Specimen& cell) 
   std::map<std::pair<std::size_t, Image>, std::size_t> number;
   std::vector<Vec3d> r = cell.state.r.values();
   for (const Bond& b : cell.state.bonds)
-    if (!b.image_j.is_itself() && number.try_emplace({b.j.value, b.image_j}, r.size()).second)
-      r.push_back(cell.state.r[b.j] + to_image(cell.state.cell, b.image_j));
+    if (!image_of_j(b).is_itself() && number.try_emplace({b.j.value, image_of_j(b)}, r.size()).second)
+      r.push_back(cell.state.r[b.j] + to_image(cell.state.cell, image_of_j(b)));
   Specimen s = particles_at(r, 0.3);
   for (const Bond& b : cell.state.bonds) {
     Bond copy = b;
-    if (!b.image_j.is_itself()) copy.j = ParticleId{number.at({b.j.value, b.image_j})}, copy.image_j = {};
+    if (!image_of_j(b).is_itself())
+      copy.j = ParticleId{number.at({b.j.value, image_of_j(b)})}, set_image_of_j(copy, {});
     s.state.bonds.push_back(copy);
   }
   Eigen::Matrix3d pairs = Eigen::Matrix3d::Zero(), edges;
@@ -196,7 +197,7 @@ testing::Verdict judge_order(unsigned seed, testing::Tally& tally) {
   cut.model.cell = {}, cut.state.cell.clear();
   PerBond<Bond> inside;
   for (const Bond& b : cut.state.bonds)
-    if (b.image_j.is_itself()) inside.push_back(b);
+    if (image_of_j(b).is_itself()) inside.push_back(b);
   cut.state.bonds = inside;
   try {
     const HomogenisedBody alone =

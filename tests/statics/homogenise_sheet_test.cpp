@@ -233,7 +233,7 @@ class Curved {
     }
     double U = 0.0;
     for (const Bond& b : s_.state.bonds) {
-      const Vec3d flat = to_image(s_.state.cell, b.image_j),
+      const Vec3d flat = to_image(s_.state.cell, image_of_j(b)),
                   L = flat + by * Vec3d{e_[0] * flat.x + 0.5 * e_[2] * flat.y,
                                         0.5 * e_[2] * flat.x + e_[1] * flat.y, 0};
       const auto [there, turn] = K_ ? curved(L, r[b.j], by) : rolled(L, r[b.j], by);

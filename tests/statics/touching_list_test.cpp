@@ -21,7 +21,7 @@ Touching one_by_one(const Model& model, const State& state) {
   const auto is_bonded = [&](ParticleId i, ParticleId j, const Image& n) {
     return std::any_of(state.bonds.begin(), state.bonds.end(), [&](const Bond& b) {
       return !b.broken &&
-             ((b.i == i && b.j == j && b.image_j == n) || (b.i == j && b.j == i && b.image_j == -n));
+             ((b.i == i && b.j == j && image_of_j(b) == n) || (b.i == j && b.j == i && image_of_j(b) == -n));
     });
   };
   for (const ParticleId i : state.r.ids())

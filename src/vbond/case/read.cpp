@@ -108,6 +108,10 @@ Case parse_case(std::string_view text, const std::filesystem::path& file,
   reader.finish();
   number_nameless(c.stages, "stage");
   number_nameless(c.bonds, "bonds");
+  if (c.bonds.size() > most_bond_sets)
+    in.report(c.bonds[most_bond_sets].place, std::to_string(c.bonds.size()) + " tables [[bonds]]",
+              "there may be " + std::to_string(most_bond_sets),
+              "make bonds that differ in their pairs, length or radii alone by one table");
   number_nameless(c.walls, "wall");
   number_nameless(c.sources, "source");
   number_nameless(c.sinks, "sink");

@@ -36,4 +36,15 @@ class Boxed {
   std::unique_ptr<T> value_;
 };
 
+/// Sets a member of what few objects have; where all is as new there is nothing in the box.
+template <class Few, class Value>
+void set_of_few(Boxed<Few>& box, Value Few::*member, const Value& value) {
+  Few few = box ? *box : Few{};
+  few.*member = value;
+  if (few == Few{})
+    box.reset();
+  else
+    box.set(few);
+}
+
 }  // namespace vbond

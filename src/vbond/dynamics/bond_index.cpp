@@ -14,7 +14,7 @@ BondIndex::BondIndex(const Order& order, const PerBond<Bond>& bonds, const PartB
   const auto for_known = [&](const auto& visit) {
     for (const BondId k : bonds.ids())
       if (const Bond& b = bonds[k]; !b.broken && (order.knows(b.i) || order.knows(b.j)))
-        visit(of_part.name(k), b.i, b.j, b.image_j);
+        visit(of_part.name(k), b.i, b.j, image_of_j(b));
     for (const BondEnds& b : of_part.others) visit(b.name, b.i, b.j, b.image_j);
   };
   std::size_t places = order.row.size();

@@ -66,7 +66,7 @@ struct BondPacks::Sorted {
 };
 
 BondPacks::Kind BondPacks::kind_of(const Bond& b, bool expands) {
-  if (!b.other_frame_j && !expands && !b.law->has_offsets) {
+  if (!has_other_frame(b) && !expands && !b.law->has_offsets) {
     for (std::size_t t = 0; t < types_.size(); ++t) {
       const BondType& type = types_[t];
       if (type.law != b.law || type.rules != b.rules || type.R_i != b.R_i || type.R_j != b.R_j) continue;

@@ -78,8 +78,8 @@ Share whole_body(const Model& model, const Stage& stage, const State& state) {
   Holding all{not_absent(model, state), {}, {}};
   std::vector<ImageOf>& images = all.ghosts;
   for (const Bond& b : state.bonds)  // broken ones too: the order of rows is the same after a checkpoint
-    if (!b.image_j.is_itself() && !is_absent(state, b.i) && !is_absent(state, b.j))
-      images.push_back({b.j, b.image_j});
+    if (!image_of_j(b).is_itself() && !is_absent(state, b.i) && !is_absent(state, b.j))
+      images.push_back({b.j, image_of_j(b)});
   const BondIndex none;
   const std::vector<char> of_fibre = particles_of_fibres(model.particles(), state.bonds);
   const bool spheres = of_fibre.empty() || std::find(of_fibre.begin(), of_fibre.end(), 0) != of_fibre.end();

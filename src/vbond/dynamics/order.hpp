@@ -58,7 +58,7 @@ struct Order {
   Row row_of(ParticleId p, const Image& n) const { return find(p, n).value(); }
   /// The rows of the two ends of a bond.
   Row row_i(const Bond& b) const { return row[b.i]; }
-  Row row_j(const Bond& b) const { return row_of(b.j, b.image_j); }
+  Row row_j(const Bond& b) const { return row_of(b.j, image_of_j(b)); }
   /// The same, of one that may be none.
   std::optional<Row> find(ParticleId p, const Image& n) const;
 

@@ -15,7 +15,7 @@ struct SentBond {
   BondId name;
   ParticleId i, j;
   std::uint32_t law, rules;  // in SharedByBonds
-  std::uint32_t set;
+  std::uint16_t set;
   bool broken;
   BreakMode mode;
   Image image_j;
@@ -38,11 +38,11 @@ SentBond sent(const Bond& b, BondId name, const SharedByBonds& shared) {
           .set = b.set,
           .broken = b.broken,
           .mode = b.mode,
-          .image_j = b.image_j,
+          .image_j = image_of_j(b),
           .a = b.a,
           .R_i = b.R_i,
           .R_j = b.R_j,
-          .capsule = b.capsule,
+          .capsule = capsule_of(b),
           .coefficients = b.coefficients,
           .frame_i = b.frame_i,
           .frame_j = frame_j(b)};
@@ -51,19 +51,19 @@ SentBond sent(const Bond& b, BondId name, const SharedByBonds& shared) {
 Bond received(const SentBond& s, const SharedByBonds& shared) {
   Bond b{.i = s.i,
          .j = s.j,
-         .law = shared.laws[s.law],
          .a = s.a,
          .R_i = s.R_i,
          .R_j = s.R_j,
          .coefficients = s.coefficients,
-         .rules = shared.rules[s.rules],
          .frame_i = {},
+         .law = shared.laws[s.law],
+         .rules = shared.rules[s.rules],
          .set = s.set,
          .broken = s.broken,
-         .mode = s.mode,
-         .capsule = s.capsule,
-         .image_j = s.image_j};
+         .mode = s.mode};
   set_frames(b, s.frame_i, s.frame_j);
+  set_capsule(b, s.capsule);
+  set_image_of_j(b, s.image_j);
   return b;
 }
 
@@ -94,7 +94,7 @@ void take_up(const AllBonds& whole, std::size_t first, IsOwn is_own, const Order
       state.bonds.push_back(b);
       to.names.push_back(BondId{k});
     } else if (!b.broken && (order.knows(b.i) || order.knows(b.j))) {
-      to.others.push_back({BondId{k}, b.i, b.j, b.image_j, is_cracked(b)});
+      to.others.push_back({BondId{k}, b.i, b.j, image_of_j(b), is_cracked(b)});
     }
   }
   if (!whole.history.empty())
@@ -204,7 +204,8 @@ std::vector<BondEnds> ends_of_others(const BondsFromSetUp& own, const State& sta
   std::vector<BondEnds> mine, others;
   for (const BondId k : state.bonds.ids()) {
     const Bond& b = state.bonds[k];
-    if (is_known[b.i] != 0 || is_known[b.j] != 0) mine.push_back({own.part.names[k], b.i, b.j, b.image_j});
+    if (is_known[b.i] != 0 || is_known[b.j] != 0)
+      mine.push_back({own.part.names[k], b.i, b.j, image_of_j(b)});
   }
   own.all->tell_all(mine, [&](const BondEnds& b) {
     if (!order.has(b.i) && (order.knows(b.i) || order.knows(b.j))) others.push_back(b);

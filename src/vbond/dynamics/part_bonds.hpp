@@ -17,8 +17,8 @@ namespace vbond {
 /// What bonds of the whole body share. Parts tell each other places in these lists, which are the same in
 /// all.
 struct SharedByBonds {
-  std::vector<const BondLaw*> laws;
-  std::vector<const BondRules*> rules;
+  std::vector<ShortPointer<BondLaw>> laws;
+  std::vector<ShortPointer<BondRules>> rules;
 
   void add(const Bond& bond);
   std::uint32_t place_of_law(const Bond& bond) const;

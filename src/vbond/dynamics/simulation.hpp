@@ -257,6 +257,7 @@ class Simulation final : public BodyView, private MotionHost {
   /// Whether what may meet is known only until particles have gone so far.
   bool is_known_for_a_while() const { return std::isfinite(farthest_); }
   void note_where_it_begins();
+  const Vec3d& place_at_begin(std::size_t row) const;
   double way_since_begin() const;
   double way_of_images(const CellEdges& edges) const;
   std::array<Vec3d, 3> force_on_images() const;
@@ -345,7 +346,7 @@ class Simulation final : public BodyView, private MotionHost {
   mutable PerParticle<char> is_own_;        // for part(); empty: not asked for yet
   mutable std::optional<State> whole_;      // of the whole body, where state_ has own bonds and all is shown
   mutable std::optional<Failed> failed_;    // first of all
-  std::vector<Vec3d> r_begin_;              // of the rows that it moves
+  std::vector<Vec3d> r_begin_;              // of the rows that it moves; empty: Model::r_0
   CellEdges cell_begin_;                    // and the edges then
   std::array<double, 3> farthest_image_{};  // edges that an image may be away from what it meets
   double damped_by_cell_ = 0;  // on images, by the damping of bonds, as the cell moved in the step under way

@@ -56,7 +56,7 @@ void Simulation::bonds_changed() {
   contacts_.bonds_changed();
   capsules_.bonds_changed(state_.bonds);
   for (const Bond& b : state_.bonds)
-    if (capsules_.any() && b.capsule > 0.0) encounters_.count_capsules(b.capsule);
+    if (capsules_.any() && capsule_of(b) > 0.0) encounters_.count_capsules(capsule_of(b));
   peak_bonds_.clear();
   if (stage_.stops.peak && stage_.stops.peak->quantity == PeakQuantity::compressive_force)
     peak_bonds_ = bonds_inside(part(Show::bonds), stage_.stops.peak->particles);
@@ -180,7 +180,7 @@ void Simulation::add_joints_that_part(std::vector<BondId>& broken) const {
       if (!e.is_i) continue;  // those of its first particle are here
       const BondId other = part_bonds_.find(e.bond).value();
       if (const Bond& b = state_.bonds[other];
-          is_cracked(b) && b.set == parts.set && b.j == parts.j && b.image_j == parts.image_j)
+          is_cracked(b) && b.set == parts.set && b.j == parts.j && image_of_j(b) == image_of_j(parts))
         broken.push_back(other);
     }
   }
@@ -218,7 +218,7 @@ Simulation::Broken Simulation::broken_now(BondId k) {
   broken.cracked = cracks(b);
   broken.parted = is_cracked(b);
   broken.damped = is_damped(b);
-  broken.image_j = b.image_j;
+  broken.image_j = image_of_j(b);
   if (bodies_.order.has(b.i)) {
     const Row i = bodies_.order.row_i(b), j = bodies_.order.row_j(b);
     broken.r_ij = bodies_.between(i, j);
@@ -241,7 +241,7 @@ Simulation::Broken Simulation::broken_now(BondId k) {
   bonds_.remove(k);
   b.broken = true;
   std::erase(peak_bonds_, k);
-  const Contacts::Touch touch = part_pair({name, b.i, b.j, b.image_j});
+  const Contacts::Touch touch = part_pair({name, b.i, b.j, image_of_j(b)});
   broken.loads.F -= touch.force;
   broken.released -= touch.energy;
   return broken;

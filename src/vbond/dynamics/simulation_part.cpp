@@ -178,10 +178,17 @@ Acquaintance acquaintance(const Model& model, const Stage& stage, const State& s
           knows_all(model, stage, state)};
 }
 
+const Vec3d& Simulation::place_at_begin(std::size_t row) const {
+  return r_begin_.empty() ? model_.r_0[bodies_.order.particle[Row{row}]] : r_begin_[row];
+}
+
 /// Images that may come near are as many edges away as particles lie apart, and what may meet reaches.
 void Simulation::note_where_it_begins() {
   if (!is_part_ && !is_known_for_a_while()) return;
-  for (std::size_t k = 0; k < bodies_.order.own; ++k) r_begin_.push_back(bodies_.pose[k].r);
+  const std::size_t own = bodies_.order.own;
+  for (std::size_t k = 0; k < own && r_begin_.empty(); ++k)
+    if (bodies_.pose[k].r != place_at_begin(k)) r_begin_.resize(own);
+  for (std::size_t k = 0; k < r_begin_.size(); ++k) r_begin_[k] = bodies_.pose[k].r;
   cell_begin_ = state_.cell;
   if (state_.cell.empty() || !may_meet()) return;
   std::vector<Vec3d> places = outermost(state_.cell, state_.r.values());
@@ -199,8 +206,8 @@ double Simulation::way_of_images(const CellEdges& edges) const {
 /// Of particles, and of images, which the cell has moved on.
 double Simulation::way_since_begin() const {
   double most2 = 0.0;
-  for (std::size_t k = 0; k < r_begin_.size(); ++k)
-    most2 = std::max(most2, norm2(bodies_.pose[k].r - r_begin_[k]));
+  for (std::size_t k = 0; k < bodies_.order.own; ++k)
+    most2 = std::max(most2, norm2(bodies_.pose[k].r - place_at_begin(k)));
   CellEdges gone = state_.cell;
   for (std::size_t k = 0; k < gone.size(); ++k) gone[k].along -= cell_begin_[k].along;
   return std::sqrt(most2) + way_of_images(gone);

@@ -29,7 +29,7 @@ double images_per_particle(const Model& model, const State& state) {
   if (state.cell.empty() || model.particles() == 0) return 0.0;
   std::vector<ImageOf> bonded;
   for (const Bond& b : state.bonds)
-    if (!b.image_j.is_itself()) bonded.push_back({b.j, b.image_j});
+    if (!image_of_j(b).is_itself()) bonded.push_back({b.j, image_of_j(b)});
   std::sort(bonded.begin(), bonded.end());
   const auto distinct = std::unique(bonded.begin(), bonded.end()) - bonded.begin();
   const double joined = static_cast<double>(distinct) / static_cast<double>(model.particles());
@@ -46,7 +46,7 @@ double images_per_particle(const Model& model, const State& state) {
 /// In a pack, as a mean over all bonds.
 double constants_per_bond(const State& state) {
   std::size_t compact = 0;
-  for (const Bond& b : state.bonds) compact += !b.other_frame_j;
+  for (const Bond& b : state.bonds) compact += !has_other_frame(b);
   const double part =
       state.bonds.empty() ? 1.0 : static_cast<double>(compact) / static_cast<double>(state.bonds.size());
   constexpr double lanes = pack_bonds;
@@ -61,7 +61,7 @@ double boxed_per_bond(const State& state) {
   const std::size_t first_others = 4;  // of KeptCoefficients
   double bytes = 0.0;
   for (const Bond& b : state.bonds) {
-    if (b.other_frame_j) bytes += sizeof(Quatd) + of_each;
+    if (b.rare) bytes += sizeof(RareOfBond) + of_each / 2;
     const Coefficients c = b.coefficients;
     if (std::any_of(c.begin() + first_others, c.end(), [](double x) { return x != 0.0; }))
       bytes += sizeof(double) * (c.size() - first_others) + of_each / 2;
@@ -85,11 +85,16 @@ constexpr double rank_bytes = 53 * 0x1p20, atom_bytes = 110;
 /// While a rank looks for overlaps: where particles are, and their cells. Measured likewise.
 constexpr double look_bytes = 84;
 
+/// Groups whose numbers do not follow each other are lists.
+double lists_per_particle(const Model& model) {
+  double lists = 0.0;
+  for (const Group& g : model.groups) lists += static_cast<double>(g.particles.bytes());
+  return model.particles() == 0 ? 0.0 : lists / static_cast<double>(model.particles());
+}
+
 /// What each rank has of all particles: radii, lists of groups, whose they are, and which ones it knows.
 double of_all_per_particle(const Model& model) {
-  double members = 0.0;
-  for (const Group& g : model.groups) members += static_cast<double>(g.particles.size());
-  return sizeof(double) + 2.0 + sizeof(ParticleId) * members / static_cast<double>(model.particles());
+  return sizeof(double) + 2.0 + lists_per_particle(model);
 }
 
 /// Of a rank with so many particles, which lie in a cube: other ends of bonds on three of its faces; or all
@@ -102,8 +107,8 @@ double ghosts_of(const Model& model, double own) {
 }  // namespace
 
 MemoryUse memory_use(const Model& model, const State& state) {
-  return {.per_particle = model_bytes_per_particle + state_bytes_per_particle + row_bytes + places_bytes +
-                          of_tops_per_particle(model) +
+  return {.per_particle = model_bytes_per_particle + lists_per_particle(model) + state_bytes_per_particle +
+                          row_bytes + places_bytes + of_tops_per_particle(model) +
                           images_per_particle(model, state) * (row_bytes + sizeof(Row) + 2 * sizeof(Image)),
           .per_bond =
               sizeof(Bond) + boxed_per_bond(state) + constants_per_bond(state) + BondIndex::bytes_per_bond};
@@ -129,7 +134,8 @@ double memory_of_each_rank(const Model& model, const State& state, double bonds,
                       (keep == RanksKeep::own_motion ? known : n) * motion_bytes +
                       bonds / ranks * (sizeof(Bond) + boxed_per_bond(state) + sizeof(BondId) + pair);
   const double steps = (particles_touch(model.contact) ? atoms : 0.0) + n * of_all +
-                       known * (use.per_particle - model_bytes_per_particle + own_model_bytes + look_bytes) +
+                       known * (use.per_particle - model_bytes_per_particle - lists_per_particle(model) +
+                                own_model_bytes + look_bytes) +
                        bonds / ranks * (use.per_bond + sizeof(BondId));
   constexpr double for_a_moment = 1.05;  // messages, pieces of a checkpoint
   return for_a_moment * (rank_bytes + std::max(made, steps));

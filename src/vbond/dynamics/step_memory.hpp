@@ -17,8 +17,8 @@ struct MemoryUse {
 /// particle, as a mean over all.
 MemoryUse memory_use(const Model& model, const State& state);
 
-/// Of a model.  [bytes]
-inline constexpr double model_bytes_per_particle = 4 * sizeof(double) + sizeof(Vec3d);
+/// Of a model: mass, inertia, radius, specimen and first place.  [bytes]
+inline constexpr double model_bytes_per_particle = 3 * sizeof(double) + sizeof(std::uint32_t) + sizeof(Vec3d);
 
 /// What each rank has from the set-up on: all bonds until a stage begins, or its own alone, or of
 /// orientations and velocities, too, those of its own particles and of few others.

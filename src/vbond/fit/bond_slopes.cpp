@@ -29,7 +29,7 @@ std::optional<PerBond<Bond>> made_by(const Recipes& recipes, const Model& model,
     if (b.set >= recipes.size() || b.law->has_offsets) return std::nullopt;
     BondRecipe recipe = recipes[b.set];
     recipe.set = b.set;
-    auto bond = make_bond(recipe, bond_site(model, made, b.i), bond_site(model, made, b.j, b.image_j));
+    auto bond = make_bond(recipe, bond_site(model, made, b.i), bond_site(model, made, b.j, image_of_j(b)));
     if (!bond) return std::nullopt;
     bonds.push_back(*bond);
   }

@@ -111,7 +111,7 @@ class BodyPart {
   template <class Visit>
   void for_bonded(Visit&& visit) const {
     for (const Bond& b : state.bonds)
-      if (!b.broken) visit(b.i, b.j, b.image_j, is_cracked(b));
+      if (!b.broken) visit(b.i, b.j, image_of_j(b), is_cracked(b));
     if (bonds_ == nullptr) return;
     for (const BondEnds& b : bonds_->others) visit(b.i, b.j, b.image_j, b.cracked);
   }

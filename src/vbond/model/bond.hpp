@@ -12,6 +12,7 @@
 #include "vbond/core/cell.hpp"
 #include "vbond/core/column.hpp"
 #include "vbond/core/quat.hpp"
+#include "vbond/core/short_pointer.hpp"
 #include "vbond/model/bond_law.hpp"
 #include "vbond/physics/break_mode.hpp"
 #include "vbond/physics/pose.hpp"
@@ -55,33 +56,65 @@ class KeptCoefficients {
   Boxed<Others> others_;
 };
 
+/// How many sets the bonds of a body may be of: see Bond::set.
+inline constexpr std::size_t most_bond_sets = 1 << 16;
+
+/// In place of a frame in the body of j: it is that in the body of i.
+inline constexpr Quatd no_other_frame{.w = 0, .x = 0, .y = 0, .z = 0};
+
+/// What few bonds have, as they are made between particles that are turned to each other, touch as capsules,
+/// or join images.
+struct RareOfBond {
+  Quatd frame_j = no_other_frame;  ///< the bond's frame in the body frame of j
+  double capsule = 0;              ///< radius by which its axis is touched  [length]
+  Image image_j{};                 ///< which image of j it joins with i itself
+
+  friend bool operator==(const RareOfBond&, const RareOfBond&) = default;
+};
+
 /// One bond: its constants, and whether it is broken. What it remembers, if anything, is in State. There are
-/// many: what few of them have is boxed.
+/// many: what few of them have is boxed, and what many share has a number.
 struct Bond {
   ParticleId i, j;
-  const BondLaw* law = &bond_law<VModel>;  ///< never null
-  double a = 0, R_i = 0, R_j = 0;          ///< length at rest, attachment distances  [length]
-  KeptCoefficients coefficients{};         ///< of the law, in the order of its fields, in their units
-  const BondRules* rules = &no_rules;      ///< never null; kept(), see model/rules.hpp
-  Quatd frame_i;                           ///< the bond's frame in the body frame of i, see BondFrames
-  Boxed<Quatd> other_frame_j{};            ///< in that of j, where it is another: see frame_j(), set_frames()
-  std::uint32_t set = 0;                   ///< which bond set of the case made it
-  bool broken = false;                     ///< keeps its id, and does nothing any more
-  BreakMode mode = BreakMode::none;        ///< by what it broke
-  double capsule = 0;                      ///< radius by which its axis is touched; 0: it is not  [length]
-  Image image_j{};                         ///< which image of j it joins with i itself
+  double a = 0, R_i = 0, R_j = 0;                 ///< length at rest, attachment distances  [length]
+  KeptCoefficients coefficients{};                ///< of the law, in the order of its fields, in their units
+  Quatd frame_i;                                  ///< the bond's frame in the body frame of i, see BondFrames
+  Boxed<RareOfBond> rare{};                       ///< see frame_j(), capsule_of(), image_of_j()
+  ShortPointer<BondLaw> law = &bond_law<VModel>;  ///< never null
+  ShortPointer<BondRules> rules = &no_rules;      ///< never null; kept(), see model/rules.hpp
+  std::uint16_t set = 0;                          ///< which bond set of the case made it
+  bool broken = false;                            ///< keeps its id, and does nothing any more
+  BreakMode mode = BreakMode::none;               ///< by what it broke
 
   friend bool operator==(const Bond&, const Bond&) = default;
 };
+static_assert(sizeof(Bond) == 120);
 
-/// The bond's frame in the body frame of j.
+/// The radius by which the axis of a bond is touched; 0: it is not.  [length]
+inline double capsule_of(const Bond& b) {
+  return b.rare ? (*b.rare).capsule : 0.0;
+}
+inline void set_capsule(Bond& b, double radius) {
+  if (b.rare || radius != 0.0) set_of_few(b.rare, &RareOfBond::capsule, radius);
+}
+/// Which image of its particle j a bond joins with i itself.
+inline Image image_of_j(const Bond& b) {
+  return b.rare ? (*b.rare).image_j : Image{};
+}
+inline void set_image_of_j(Bond& b, const Image& image) {
+  if (b.rare || !image.is_itself()) set_of_few(b.rare, &RareOfBond::image_j, image);
+}
+
+/// Whether the bond's frames in the bodies of i and j differ; that in the body of j.
+inline bool has_other_frame(const Bond& b) {
+  return b.rare && (*b.rare).frame_j != no_other_frame;
+}
 inline const Quatd& frame_j(const Bond& b) {
-  return b.other_frame_j ? *b.other_frame_j : b.frame_i;
+  return has_other_frame(b) ? (*b.rare).frame_j : b.frame_i;
 }
 inline void set_frames(Bond& b, const Quatd& in_i, const Quatd& in_j) {
   b.frame_i = in_i;
-  b.other_frame_j.reset();
-  if (in_j != in_i) b.other_frame_j.set(in_j);
+  if (b.rare || in_j != in_i) set_of_few(b.rare, &RareOfBond::frame_j, in_j != in_i ? in_j : no_other_frame);
 }
 
 /// Whether a bond has cracked, and its faces still rub; and whether it has failed, so that it holds nothing
@@ -192,7 +225,7 @@ inline double angular_scale(const Bond& b) {
 
 /// From particle i of a bond to its particle j, or that image of it, which stand at these places.  [length]
 inline Vec3d between(const PerParticle<Vec3d>& r, const CellEdges& cell, const Bond& b) {
-  return between(r, cell, b.i, b.j, b.image_j);
+  return between(r, cell, b.i, b.j, image_of_j(b));
 }
 
 /// The pose of a bond, its axes turned into the world frame.
@@ -307,7 +340,7 @@ struct BondRecipe {
   /// n_2 is this direction made normal to the bond. Without it, or if it is within 1e-6 rad of the
   /// bond: the coordinate axis least aligned with the bond, the first of equals.
   std::optional<Vec3d> n_2;
-  std::uint32_t set = 0;
+  std::uint16_t set = 0;
   bool capsule = false;       ///< its bonds touch as capsules
   double capsule_radius = 0;  ///< of these; 0: the smaller radius of each bond's particles  [length]
 

@@ -6,7 +6,7 @@
 
 namespace vbond {
 
-std::vector<BondId> bonds_inside(const BodyPart& body, const std::vector<ParticleId>& particles) {
+std::vector<BondId> bonds_inside(const BodyPart& body, const IdList<ParticleId>& particles) {
   const auto inside = [&particles](ParticleId p) {
     return std::binary_search(particles.begin(), particles.end(), p);
   };
@@ -18,7 +18,7 @@ std::vector<BondId> bonds_inside(const BodyPart& body, const std::vector<Particl
   return own;
 }
 
-double mean_axial_force(const BodyPart& body, const std::vector<ParticleId>& particles) {
+double mean_axial_force(const BodyPart& body, const IdList<ParticleId>& particles) {
   const std::vector<BondId> own = bonds_inside(body, particles);
   return mean_axial_force(own, body.all, [&body](BondId k) { return axial_force(body.state, k); });
 }

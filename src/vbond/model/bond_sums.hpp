@@ -28,7 +28,7 @@ inline double axial_force(const State& s, BondId k) {
 }
 
 /// The own bonds that hold with both ends among these particles, which are in increasing order.
-std::vector<BondId> bonds_inside(const BodyPart& body, const std::vector<ParticleId>& particles);
+std::vector<BondId> bonds_inside(const BodyPart& body, const IdList<ParticleId>& particles);
 
 /// Mean of axial_force(bond) over these bonds of each process; 0 without any.  [force]
 template <class AxialForce>
@@ -44,7 +44,7 @@ double mean_axial_force(const std::vector<BondId>& own, const Communicator& all,
 }
 
 /// Mean of F.d over bonds_inside(), tension positive; 0 without any.  [force]
-double mean_axial_force(const BodyPart& body, const std::vector<ParticleId>& particles);
+double mean_axial_force(const BodyPart& body, const IdList<ParticleId>& particles);
 
 /// Adds every bond's loads to its two particles, bond by bond: the reference for the loops of the step.
 void add_bond_loads(const State& state, Loads& loads);

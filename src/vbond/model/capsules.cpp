@@ -13,13 +13,13 @@ namespace vbond {
 
 bool any_capsules(const ContactModel& contact, const PerBond<Bond>& bonds) {
   return particles_touch(contact) &&
-         std::any_of(bonds.begin(), bonds.end(), [](const Bond& b) { return b.capsule > 0.0; });
+         std::any_of(bonds.begin(), bonds.end(), [](const Bond& b) { return capsule_of(b) > 0.0; });
 }
 
 std::vector<char> particles_of_fibres(std::size_t particles, const PerBond<Bond>& bonds) {
   std::vector<char> of_fibre;
   for (const Bond& b : bonds)
-    if (b.capsule > 0.0) {
+    if (capsule_of(b) > 0.0) {
       of_fibre.resize(particles, 0);
       of_fibre[b.i.value] = of_fibre[b.j.value] = 1;
     }
@@ -46,11 +46,11 @@ std::optional<CapsuleMistake> capsule_mistake(const ContactModel& contact, doubl
 }
 
 std::optional<CapsuleMistake> capsule_mistake(const Model& model, const Bond& bond, double distance) {
-  if (!(bond.capsule > 0.0)) return std::nullopt;
+  if (!(capsule_of(bond) > 0.0)) return std::nullopt;
   if (model.material_of(bond.i) != model.material_of(bond.j))
     return CapsuleMistake{"a capsule is of one material, and its two particles are of two",
                           "give both particles one material, or the bond no capsule_radius"};
-  return capsule_mistake(model.contact, bond.capsule, distance);
+  return capsule_mistake(model.contact, capsule_of(bond), distance);
 }
 
 FibreContact in_order(const FibreContact& contact) {
@@ -88,18 +88,18 @@ FibreParts::FibreParts(const Model& model, const PerBond<Bond>& bonds)
   for (const BondId k : bonds.ids()) {
     const Bond& b = bonds[k];
     if (b.broken) continue;
-    const bool touches = b.capsule > 0.0;
+    const bool touches = capsule_of(b) > 0.0;
     const auto part = touches ? static_cast<std::uint32_t>(parts_.size()) : none;
-    const bool i_first = b.i < b.j || (b.i == b.j && b.image_j > Image{});
-    entries_[next[b.i.value]++] = {{b.j, b.image_j}, part, i_first ? Image{} : b.image_j};
-    entries_[next[b.j.value]++] = {{b.i, -b.image_j}, part, i_first ? -b.image_j : Image{}};
+    const bool i_first = b.i < b.j || (b.i == b.j && image_of_j(b) > Image{});
+    entries_[next[b.i.value]++] = {{b.j, image_of_j(b)}, part, i_first ? Image{} : image_of_j(b)};
+    entries_[next[b.j.value]++] = {{b.i, -image_of_j(b)}, part, i_first ? -image_of_j(b) : Image{}};
     if (!touches) continue;
     if (i_first)
-      parts_.push_back({{b.i, {}}, {b.j, b.image_j}, b.capsule, k});
+      parts_.push_back({{b.i, {}}, {b.j, image_of_j(b)}, capsule_of(b), k});
     else
-      parts_.push_back({{b.j, {}}, {b.i, -b.image_j}, b.capsule, k});
+      parts_.push_back({{b.j, {}}, {b.i, -image_of_j(b)}, capsule_of(b), k});
     for (const ParticleId p : {b.i, b.j})
-      thinnest[p] = capsules_[p]++ == 0 ? b.capsule : std::min(thinnest[p], b.capsule);
+      thinnest[p] = capsules_[p]++ == 0 ? capsule_of(b) : std::min(thinnest[p], capsule_of(b));
   }
   for (const ParticleId p : capsules_.ids())  // one with one capsule is its end and no more
     if (capsules_[p] != 1 && thinnest[p] > 0.0) parts_.push_back({{p, {}}, {p, {}}, thinnest[p], {}});

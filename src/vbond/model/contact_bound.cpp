@@ -79,7 +79,7 @@ PerParticle<double> touched_radii(const Model& model, const State& state,
   if (!particles_touch(model.contact)) return R;
   for (const Bond& b : state.bonds)
     for (const ParticleId p : {b.i, b.j})
-      if (!b.broken) R[p] = std::max(R[p], b.capsule);
+      if (!b.broken) R[p] = std::max(R[p], capsule_of(b));
   for (const BondingRule& rule : rules)
     for (const ParticleId p : R.ids())
       if (rule.recipe.capsule && (rule.in_a[p.value] || rule.in_b[p.value]))

@@ -6,7 +6,9 @@
 #include <tuple>
 #include <type_traits>
 
+#include "vbond/core/boxed.hpp"
 #include "vbond/core/column.hpp"
+#include "vbond/core/members.hpp"
 #include "vbond/model/units.hpp"
 
 /// How what changes in a run is declared: tables of fields. A table is made for one struct, the whole: what
@@ -44,12 +46,26 @@ struct FieldTraits {
   const char* word = nullptr;  ///< the name of its array in Python, if it has one
 };
 
+/// A member of what few of many rows have, boxed in a member of theirs: see Boxed.
+template <class Of, class Few, class Value>
+struct MemberOfFew {
+  static constexpr std::size_t members = member_count<Few>();
+  static constexpr Few as_new{};
+  Boxed<Few> Of::*box;
+  Value Few::*member;
+
+  const Value& of(const Of& row) const {
+    const Few& few = row.*box ? *(row.*box) : as_new;  // (... ? ... : ...).*member copies, in GCC 12
+    return few.*member;
+  }
+  void set(Of& row, const Value& value) const { set_of_few(row.*box, member, value); }
+};
+
 /// A member of Of: its name in files, unit and meaning.
-template <class Of, class Value>
+template <class Of, class Value, class Member = Value Of::*>
 struct Field {
-  using Type = Value;
   const char* name;
-  Value Of::*value;
+  Member value;
   Unit unit;
   const char* meaning;
   FieldTraits traits;
@@ -58,6 +74,27 @@ template <class Of, class Value>
 constexpr Field<Of, Value> field(const char* name, Value Of::*value, Unit unit, const char* meaning,
                                  FieldTraits traits = {}) {
   return {name, value, unit, meaning, traits};
+}
+template <class Of, class Few, class Value>
+constexpr Field<Of, Value, MemberOfFew<Of, Few, Value>> field(const char* name,
+                                                              MemberOfFew<Of, Few, Value> value, Unit unit,
+                                                              const char* meaning, FieldTraits traits = {}) {
+  return {name, value, unit, meaning, traits};
+}
+
+template <class T>
+inline constexpr bool is_of_few = false;
+template <class... T>
+inline constexpr bool is_of_few<MemberOfFew<T...>> = true;
+
+/// The value of a field of a row.
+template <class Of, class Value>
+const Value& value_of(const Of& row, Value Of::*member) {
+  return row.*member;
+}
+template <class Of, class Few, class Value>
+const Value& value_of(const Of& row, const MemberOfFew<Of, Few, Value>& member) {
+  return member.of(row);
 }
 
 /// Fields of Whole itself, or of one of its members: single values, or columns of particles and bonds.
@@ -84,23 +121,22 @@ constexpr FieldTable<Of, Of Whole::*, Values...> fields_of(const char* path, Of 
 }
 
 /// Rows: a member of Whole that holds any number of structs. Its traits are those of all its fields.
-template <class Whole, class Container, class Row, class... Values>
+template <class Whole, class Container, class Row, class... Fields>
 struct RowTable {
   using Of = Row;
   const char* path;
   Container Whole::*member;
   FieldTraits traits;
-  std::tuple<Field<Row, Values>...> fields;
+  std::tuple<Fields...> fields;
 
   template <class W>
   constexpr auto& in(W& whole) const {
     return whole.*member;
   }
 };
-template <class Whole, class Container, class Row, class... Values>
-constexpr RowTable<Whole, Container, Row, Values...> rows_of(const char* path, Container Whole::*member,
-                                                             FieldTraits traits,
-                                                             Field<Row, Values>... fields) {
+template <class Whole, class Container, class Row, class... Values, class... Members>
+constexpr RowTable<Whole, Container, Row, Field<Row, Values, Members>...> rows_of(
+    const char* path, Container Whole::*member, FieldTraits traits, Field<Row, Values, Members>... fields) {
   return {path, member, traits, {fields...}};
 }
 

@@ -105,7 +105,8 @@ std::uint64_t mixed_with_image(std::uint64_t x, ParticleId i, ParticleId j, cons
 /// have the same in an open body.
 double variate(std::uint64_t seed, const Bond& b) {
   const std::uint64_t of_pair = mixed(seed, b.i, b.j);
-  return from_0_to_1(b.image_j.is_itself() ? of_pair : mixed_with_image(of_pair, b.i, b.j, b.image_j));
+  const Image image = image_of_j(b);
+  return from_0_to_1(image.is_itself() ? of_pair : mixed_with_image(of_pair, b.i, b.j, image));
 }
 
 /// The rules of a bond whose stiffnesses have these factors: c_B/c_A then tells another round section than
@@ -258,11 +259,11 @@ std::optional<Bond> make_bond(const BondRecipe& recipe, const BondSite& i, const
   Bond b = with_coefficients(recipe, a, lengths.R_i, lengths.R_j, radii);
   b.i = i.id;
   b.j = j.id;
-  b.image_j = j.image - i.image;
+  set_image_of_j(b, j.image - i.image);
   const Quatd frame = rotation_to(e_ij, n_2);
   set_frames(b, conjugate(i.q) * frame, conjugate(j.q) * frame);
   if (recipe.capsule)
-    b.capsule = recipe.capsule_radius > 0.0 ? recipe.capsule_radius : std::min(i.radius, j.radius);
+    set_capsule(b, recipe.capsule_radius > 0.0 ? recipe.capsule_radius : std::min(i.radius, j.radius));
   const Axes<double> n = axes(frame);
   if (recipe.cell)
     offset_points(recipe, at_cell(recipe, i, radii, n), at_cell(recipe, j, radii, n), n, b);

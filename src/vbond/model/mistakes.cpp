@@ -122,10 +122,10 @@ bool reaches_its_softening(const Bond& b) {
 void look_at_sizes(const Model& model, const State& s, Mistakes& found) {
   for_each_table(state_table, [&]<class Table>(const Table& table) {
     bool none = true;
-    for_each_field(table, [&]<class Of, class Value>(const Field<Of, Value>& f) {
+    for_each_field(table, [&]<class Of, class Value, class Member>(const Field<Of, Value, Member>& f) {
       if constexpr (is_column<Value> && !std::is_same_v<Of, State>) none &= (table.in(s).*f.value).empty();
     });
-    for_each_field(table, [&]<class Of, class Value>(const Field<Of, Value>& f) {
+    for_each_field(table, [&]<class Of, class Value, class Member>(const Field<Of, Value, Member>& f) {
       if constexpr (is_column<Value>) {
         const std::size_t size = (table.in(s).*f.value).size();
         const bool of_particles = is_particle_column<Value>;
@@ -145,7 +145,7 @@ void look_at_sizes(const Model& model, const State& s, Mistakes& found) {
 void look_at_ids(const Model& model, const State& s, Mistakes& found) {
   for_each_table(state_table, [&]<class Table>(const Table& table) {
     if constexpr (is_row_table<Table>)
-      for_each_field(table, [&]<class Of, class Value>(const Field<Of, Value>& f) {
+      for_each_field(table, [&]<class Of, class Value, class Member>(const Field<Of, Value, Member>& f) {
         if constexpr (std::is_same_v<Value, ParticleId> || std::is_same_v<Value, BondId>) {
           const bool is_particle = std::is_same_v<Value, ParticleId>;
           const std::size_t n = is_particle ? model.particles() : s.bonds.size();
@@ -206,9 +206,9 @@ std::vector<std::string> mistakes_in(const Model& model, const State& s) {
   require_each(s.bonds, "bonds", "softens from a force that it does not reach before its length of softening",
                reaches_its_softening);
   require_each(s.bonds, "bonds", "joins a particle with itself",
-               [](const Bond& b) { return b.i != b.j || !b.image_j.is_itself(); });
+               [](const Bond& b) { return b.i != b.j || !image_of_j(b).is_itself(); });
   require_each(s.bonds, "bonds", "has a capsule whose radius is not >= 0 and finite",
-               [](const Bond& b) { return at_least_zero(b.capsule); });
+               [](const Bond& b) { return at_least_zero(capsule_of(b)); });
   require_each(s.warm_bonds, "warm_bonds", "has no length above zero",
                [](const WarmBond& w) { return above_zero(w.a); });
   found.require(std::adjacent_find(s.warm_bonds.begin(), s.warm_bonds.end(),

@@ -9,6 +9,7 @@
 
 #include "vbond/core/cell.hpp"
 #include "vbond/core/column.hpp"
+#include "vbond/core/id_list.hpp"
 #include "vbond/core/vec3.hpp"
 #include "vbond/model/contact.hpp"
 #include "vbond/model/source.hpp"
@@ -22,7 +23,7 @@ enum class UnitSystem : std::uint8_t { reduced, si };
 /// A named set of particles, in increasing order.
 struct Group {
   std::string name;
-  std::vector<ParticleId> particles;
+  IdList<ParticleId> particles;
 };
 
 /// The cell that a body repeats with. Edges of directions that are open give areas and volumes only.
@@ -109,8 +110,7 @@ inline Model equal_particles(const std::vector<Vec3d>& r, double mass, double in
   m.mass.assign(r.size(), mass);
   m.inertia.assign(r.size(), inertia);
   m.radius.assign(r.size(), radius);
-  m.groups = {{"all", {}}};
-  for (const ParticleId p : m.mass.ids()) m.groups[0].particles.push_back(p);
+  m.groups = {{"all", IdList<ParticleId>::consecutive(ParticleId{0}, r.size())}};
   return m;
 }
 

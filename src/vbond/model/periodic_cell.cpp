@@ -237,7 +237,7 @@ std::vector<std::string> mistakes_in_cell(const Model& model, const State& s) {
   };
   for (const BondId k : s.bonds.ids()) {
     const Bond& b = s.bonds[k];
-    if (!is_there(b.image_j)) {
+    if (!is_there(image_of_j(b))) {
       found.require(false,
                     fmt::format("bonds[{}] joins an image along an edge that is not periodic", k.value));
       break;

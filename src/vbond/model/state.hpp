@@ -294,7 +294,7 @@ inline EnergyOfNewBond take_up_bond(const Model& model, const Bond& bond, const 
                             bond.R_j / factor});
   }
   if (model.contact.pairs == ContactPairs::unbonded)
-    energy.repulsion = contact_pair_energy(model, s, bond.i, bond.j, bond.image_j);
+    energy.repulsion = contact_pair_energy(model, s, bond.i, bond.j, image_of_j(bond));
   if (recipe.prestrain == 0.0) return energy;
   const BondPose<double> pose = bond_pose(bond, s);
   const BondHistory history = first_history(bond, pose);

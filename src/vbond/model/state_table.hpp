@@ -15,6 +15,11 @@
 /// is cleared when, the arrays of Python.
 namespace vbond {
 
+template <class Value>
+constexpr MemberOfFew<Bond, RareOfBond, Value> rare(Value RareOfBond::*member) {
+  return {&Bond::rare, member};
+}
+
 /// Those of the terms have a place of their own among the others, so that files stay as they are.
 inline constexpr auto tables_before_terms = std::tuple{
     fields_of("/clock/", &State::clock,
@@ -57,16 +62,16 @@ inline constexpr auto tables_before_terms = std::tuple{
               {.filed = Filed::where_any}),
         field("frame_i", &Bond::frame_i, unit::none,
               "the bond's frame in the body frame of i, quaternion w, x, y, z"),
-        field("frame_j", &Bond::other_frame_j, unit::none,
+        field("frame_j", rare(&RareOfBond::frame_j), unit::none,
               "the bond's frame in the body frame of j, quaternion w, x, y, z"),
         field("set", &Bond::set, unit::none, "which bond set of the case made it"),
         field("broken", &Bond::broken, unit::none, "1: it does nothing any more"),
         field("mode", &Bond::mode, unit::none,
               "by what it broke: 0 not, 1 tension, 2 shear, 3 bending, 4 torsion, 5 compression, 6 not "
               "known"),
-        field("capsule", &Bond::capsule, unit::length,
+        field("capsule", rare(&RareOfBond::capsule), unit::length,
               "radius by which the bond touches, 0: not; only where bonds do", {.filed = Filed::where_any}),
-        field("image_j", &Bond::image_j, unit::none,
+        field("image_j", rare(&RareOfBond::image_j), unit::none,
               "which image of j it joins with i, in edges of the cell; only where bonds join images",
               {.filed = Filed::where_any})),
     fields_of<State>("/bonds/", field("history", &State::bond_history, unit::none,
@@ -264,9 +269,16 @@ constexpr bool are_whole(const std::tuple<Tables...>& tables, std::size_t bases 
   std::size_t of_whole = bases;
   bool whole = true;
   for_each_table(tables, [&]<class Table>(const Table& table) {
-    std::size_t fields = 0;
-    for_each_field(table, [&](const auto&) { ++fields; });
+    std::size_t fields = 0, of_few = 0, all_of_few = 0;
+    for_each_field(table, [&]<class Of, class Value, class Member>(const Field<Of, Value, Member>&) {
+      if constexpr (is_of_few<Member>)
+        ++of_few, all_of_few = Member::members;
+      else
+        ++fields;
+    });
     using Of = typename Table::Of;
+    whole &= of_few == all_of_few;
+    if (of_few > 0) ++fields;  // their box
     if constexpr (std::is_same_v<Of, Whole>)
       of_whole += fields;
     else
@@ -291,7 +303,7 @@ static_assert(are_whole<State>(std::tuple_cat(tables_before_terms, tables_after_
 inline constexpr std::size_t state_bytes_per_particle = [] {
   std::size_t bytes = 0;
   for_each_table(state_table, [&](const auto& table) {
-    for_each_field(table, [&]<class Of, class Value>(const Field<Of, Value>& f) {
+    for_each_field(table, [&]<class Of, class Value, class Member>(const Field<Of, Value, Member>& f) {
       if constexpr (is_particle_column<Value>)
         if (f.traits.filed == Filed::always) bytes += sizeof(*std::declval<Value&>().data());
     });

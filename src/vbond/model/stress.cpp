@@ -94,7 +94,7 @@ double sphere_volume(const Model& model, ParticleId p) {
 }
 
 Tensor mean_stress(const BodyPart& body, const PerParticle<Tensor>& of_particles,
-                   const std::vector<ParticleId>& group, double volume) {
+                   const IdList<ParticleId>& group, double volume) {
   Tensor sum;
   for (const ParticleId p : group) sum += of_particles[p];  // of others', too, what is made of it here
   return (1.0 / volume) * body.summed(sum);

@@ -24,7 +24,7 @@ double sphere_volume(const Model& model, ParticleId p);
 
 /// Mean stress of a group that takes up this volume: the sum over its particles over the volume.
 Tensor mean_stress(const BodyPart& body, const PerParticle<Tensor>& stress_times_volume,
-                   const std::vector<ParticleId>& group, double volume);
+                   const IdList<ParticleId>& group, double volume);
 
 /// Green's strain (F^T F - 1)/2 of a group since the start, with the F that fits the displacements of its
 /// particles best (least squares, Falk & Langer 1998 without masses): zero for any rigid motion. Not a number

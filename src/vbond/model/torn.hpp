@@ -22,7 +22,7 @@ inline const Bond* bond_through_face(const State& s, const std::vector<ParticleI
   PerParticle<char> in(s.r.size(), 0);
   for (const ParticleId p : group) in[p] = 1;
   for (const Bond& b : s.bonds)
-    if (!b.image_j.is_itself() && in[b.i] && in[b.j] && !has_failed(b) && !(certain && can_break(b)))
+    if (!image_of_j(b).is_itself() && in[b.i] && in[b.j] && !has_failed(b) && !(certain && can_break(b)))
       return &b;
   return nullptr;
 }

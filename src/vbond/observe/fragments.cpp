@@ -162,7 +162,8 @@ Whole along_bonds(const Fragments& fragments, const State& s) {
   if (s.cell.empty()) return whole;
   PerParticle<std::vector<ImageOf>> joined(s.r.size());
   for (const Bond& b : s.bonds)
-    if (!has_failed(b)) joined[b.i].push_back({b.j, b.image_j}), joined[b.j].push_back({b.i, -b.image_j});
+    if (!has_failed(b))
+      joined[b.i].push_back({b.j, image_of_j(b)}), joined[b.j].push_back({b.i, -image_of_j(b)});
   PerParticle<char> seen(s.r.size(), 0);
   for (std::size_t k = 0; k < fragments.all.size(); ++k) {
     std::vector<ParticleId> next{fragments.all[k].lowest};

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -45,7 +46,7 @@ std::vector<Vec3d> positions_of(const std::vector<ParticleId>& particles, const 
 /// These particles. Stress is looked for in the whole body. fragments: where bonds may break.
 VtpFile file_of_particles(const std::vector<ParticleId>& particles, const Model& model, const State& state,
                           const Fragments* fragments, FrameFormat format) {
-  PerParticle<Image> images(state.r.size());
+  PerParticle<Image> images;  // that stand in the cell
   if (format.wrap) images = images_in_cell(model, state);
   std::vector<Vec3d> places = positions_of(particles, state);
   if (format.wrap)
@@ -57,7 +58,7 @@ VtpFile file_of_particles(const std::vector<ParticleId>& particles, const Model&
   if (format.stress) stress = stress_times_volume(model, state);
   const auto view = [&](std::size_t k) {
     ParticleView of{model, state, particles[k], fragments};
-    of.image = images[of.id];
+    if (format.wrap) of.image = images[of.id];
     if (format.stress) of.stress = symmetric_part(1.0 / sphere_volume(model, of.id) * stress[of.id]);
     return of;
   };
@@ -72,6 +73,44 @@ VtpFile file_of_particles(const std::vector<ParticleId>& particles, const Model&
   return f;
 }
 
+/// What a frame has of one quantity of bonds.
+struct BondArray {
+  const BondQuantity* of;
+  std::variant<std::vector<double>, std::vector<std::int64_t>, std::vector<std::uint8_t>, std::vector<Image>>
+      values;
+};
+
+/// Views take more room than all of a frame: they are made of some bonds at a time.
+std::vector<BondArray> arrays_of(const std::vector<BondId>& bonds, const BodyPart& body, FrameFormat format) {
+  constexpr std::size_t at_once = 1 << 12;
+  std::vector<BondArray> arrays;
+  for (const BondQuantity& q : bond_quantities()) {
+    if (!is_in(q.cases, format)) continue;
+    arrays.push_back({&q, {}});
+    std::visit(
+        [&]<class T>(T (*)(const BondView&)) {
+          arrays.back().values.emplace<std::vector<T>>().reserve(bonds.size());
+        },
+        q.value);
+  }
+  std::vector<BondView> views;
+  for (std::size_t first = 0; first < bonds.size(); first += at_once) {
+    views.clear();
+    for (std::size_t k = first; k < std::min(first + at_once, bonds.size()); ++k) {
+      views.push_back(bond_view(bonds[k], body.state, format.breaks));
+      views.back().id = body.name(bonds[k]);
+    }
+    for (BondArray& array : arrays)
+      std::visit(
+          [&]<class T>(T (*value)(const BondView&)) {
+            auto& values = std::get<std::vector<T>>(array.values);
+            for (const BondView& view : views) values.push_back(value(view));
+          },
+          array.of->value);
+  }
+  return arrays;
+}
+
 /// These bonds between points, which are these particles, in increasing order.
 VtpFile file_of_bonds(const std::vector<BondId>& bonds, const std::vector<ParticleId>& points,
                       const BodyPart& body, UnitSystem units, FrameFormat format) {
@@ -81,18 +120,15 @@ VtpFile file_of_bonds(const std::vector<BondId>& bonds, const std::vector<Partic
     return std::lower_bound(points.begin(), points.end(), p) - points.begin();
   };
   std::vector<std::int64_t> ends;
-  std::vector<BondView> views;
   std::vector<Vec3d> places = positions_of(points, state);
   std::vector<std::int64_t> of;  // particles, of the places of a periodic body
   if (!state.cell.empty())
     for (const ParticleId p : points) of.push_back(p.value);
-  ends.reserve(2 * bonds.size()), views.reserve(bonds.size());
+  ends.reserve(2 * bonds.size());
   for (const BondId k : bonds) {
-    views.push_back(bond_view(k, state, format.breaks));
-    views.back().id = body.name(k);
-    const Bond& b = views.back().bond;
+    const Bond& b = state.bonds[k];
     ends.push_back(point_of(b.i));
-    if (b.image_j.is_itself()) {
+    if (image_of_j(b).is_itself()) {
       ends.push_back(point_of(b.j));
     } else {  // a line to the image, which stands behind the particles
       ends.push_back(static_cast<std::int64_t>(places.size()));
@@ -103,15 +139,12 @@ VtpFile file_of_bonds(const std::vector<BondId>& bonds, const std::vector<Partic
   VtpFile f = VtpFile::of_lines(places, ends, format);
   f.set_unit_of_points(unit::length.in(units));
   if (!state.cell.empty()) f.add_point_data("particle", of);
-  const auto view = [&views](std::size_t k) -> const BondView& { return views[k]; };
-  for (const BondQuantity& q : bond_quantities()) {
-    if (!is_in(q.cases, format)) continue;
+  for (BondArray& array : arrays_of(bonds, body, format))
     std::visit(
-        [&](const auto value) {
-          f.add_cell_data(q.name, values_of(views.size(), view, value), q.unit.in(units));
+        [&]<class T>(std::vector<T>& values) {
+          f.add_cell_data(array.of->name, std::exchange(values, {}), array.of->unit.in(units));
         },
-        q.value);
-  }
+        array.values);
   return f;
 }
 
@@ -121,7 +154,7 @@ std::vector<std::int64_t> numbers_of_images(const std::vector<BondId>& bonds, co
   if (body.state.cell.empty()) return {};
   std::vector<BondId> here;
   for (const BondId k : bonds)
-    if (!body.state.bonds[k].image_j.is_itself()) here.push_back(body.name(k));
+    if (!image_of_j(body.state.bonds[k]).is_itself()) here.push_back(body.name(k));
   std::vector<BondId> all = body.all.gather(here);
   std::sort(all.begin(), all.end());
   std::vector<std::int64_t> numbers;
@@ -212,10 +245,12 @@ void write_part(const fs::path& folder, int part, const Simulation& run, FrameFo
   std::optional<Fragments> fragments;
   if (format.breaks) fragments = find_fragments(run.model(), own, left_out(state));
   const std::vector<std::int64_t> of_images = numbers_of_images(bonds, own);
-  VtpFile file =
-      file_of_particles(particles, run.model(), state, fragments ? &*fragments : nullptr, of_parts(format));
-  file.set_points_of_all_parts(static_cast<std::int64_t>(present(state)));
-  file.write(folder / name_of_part("particles", step, part), time, step);
+  {
+    VtpFile file =
+        file_of_particles(particles, run.model(), state, fragments ? &*fragments : nullptr, of_parts(format));
+    file.set_points_of_all_parts(static_cast<std::int64_t>(present(state)));
+    file.write(folder / name_of_part("particles", step, part), time, step);
+  }
   file_of_bonds_of_part(bonds, particles, of_images, own, run.model().units, of_parts(format))
       .write(folder / name_of_part("bonds", step, part), time, step);
   if (format.cell && part == 0)

@@ -98,7 +98,7 @@ constexpr BondQuantity of_bonds[] = {
      "say",
      [](const View& b) { return static_cast<std::uint8_t>(mode_of(b.bond)); }, Only::breaks},
     {"capsule_radius", unit::length, "radius by which its axis is touched; 0: the bond touches nothing",
-     [](const View& b) { return b.bond.capsule; }, Only::capsules},
+     [](const View& b) { return capsule_of(b.bond); }, Only::capsules},
     {"plastic_elongation", unit::length, "u_p: by what its length at rest has grown by yielding",
      [](const View& b) { return b.flowed[memory::stretch]; }, Only::flow},
     {"creep", unit::length, "by what its length at rest has grown by creep",
@@ -122,7 +122,7 @@ constexpr BondQuantity of_bonds[] = {
      "by how many edges a, b and c the image of its second particle that it joins is away from that "
      "particle; "
      "with `frames.wrap` from where that is shown",
-     [](const View& b) { return b.bond.image_j; }, Only::cell},
+     [](const View& b) { return image_of_j(b.bond); }, Only::cell},
 };
 
 constexpr WallQuantity of_walls[] = {

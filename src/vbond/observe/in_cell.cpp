@@ -29,7 +29,7 @@ State shown_by_images(const State& state, const PerParticle<Image>& images) {
   if (!shown.v.empty())
     for (const ParticleId p : shown.v.ids()) shown.v[p] += image_velocity(state.cell, images[p]);
   // the image n of j stands away from i as the image n + n_i - n_j of the one shown from that of i
-  for (Bond& b : shown.bonds) b.image_j = b.image_j + images[b.i] - images[b.j];
+  for (Bond& b : shown.bonds) set_image_of_j(b, image_of_j(b) + images[b.i] - images[b.j]);
   for (PairMemory& m : shown.contact_history) m.image_j = m.image_j + images[m.i] - images[m.j];
   std::sort(shown.contact_history.begin(), shown.contact_history.end(),
             [](const PairMemory& a, const PairMemory& b) { return place_of(a) < place_of(b); });

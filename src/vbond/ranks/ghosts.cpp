@@ -57,7 +57,7 @@ std::vector<ImageOf> ghosts_of(const std::vector<ParticleId>& own, const Model& 
     if (is_own[p] == 0 || !n.is_itself()) ghosts.push_back({p, n});
   };
   for (const Bond& b : state.bonds)
-    if (!b.broken && is_own[b.i] != 0) add(b.j, b.image_j);
+    if (!b.broken && is_own[b.i] != 0) add(b.j, image_of_j(b));
   if (all)
     for (const ParticleId p : is_own.ids())
       if (!is_absent(state, p)) add(p, {});

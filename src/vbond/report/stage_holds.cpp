@@ -12,8 +12,8 @@ float clamped_float(double x) {
   return static_cast<float>(std::clamp(x, -most, most));
 }
 
-const std::vector<ParticleId>& particles_of(const Placed<std::string>& group, const Model& model) {
-  static const std::vector<ParticleId> none;
+const IdList<ParticleId>& particles_of(const Placed<std::string>& group, const Model& model) {
+  static const IdList<ParticleId> none;
   const Group* found = model.find_group(group.value);
   return found != nullptr ? found->particles : none;
 }
@@ -43,7 +43,7 @@ void add_held(const StageSpec& stage, const Model& model, StageHolds& holds) {
 void add_loads(const StageSpec& stage, const Model& model, StageHolds& holds) {
   std::vector<Vec3d> force(model.particles()), moment(model.particles());
   for (const LoadSpec& l : stage.loads) {
-    const std::vector<ParticleId>& group = particles_of(l.group, model);
+    const IdList<ParticleId>& group = particles_of(l.group, model);
     double mass = 0.0;
     for (const ParticleId p : group) mass += model.mass[p];
     for (const ParticleId p : group) {

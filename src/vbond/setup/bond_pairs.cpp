@@ -35,7 +35,7 @@ std::pair<BondSite, BondSite> sites_of(const SelectedPairs& selected, std::size_
 namespace {
 
 Pair pair_of(const Bond& b) {
-  return in_order({b.i, b.j, b.image_j});
+  return in_order({b.i, b.j, image_of_j(b)});
 }
 
 /// Whether particles of a CSV specimen have other numbers than rows of its file.

@@ -128,7 +128,7 @@ void make_bonds_of(const Case& c, std::size_t set, const Model& model, State& st
                    const SelectedPairs& selected, Problems& problems, std::vector<UnbookedBond>* unbooked) {
   const BondSpec& spec = c.bonds[set];
   BondRecipe recipe = spec.recipe;
-  recipe.set = static_cast<std::uint32_t>(set);
+  recipe.set = static_cast<std::uint16_t>(set);
   const std::vector<BondRecipe> cells = recipes_of(recipe);
   FirstAndCount no_length, no_radius, unstable, snapping, no_capsule, broken;
   CapsuleMistake of_capsule;
@@ -172,7 +172,7 @@ void make_bonds_of(const Case& c, std::size_t set, const Model& model, State& st
     if (const auto mistake = capsule_mistake(model, *bond, distance)) {
       if (no_capsule.count == 0) of_capsule = *mistake;
       no_capsule.note(fmt::format("particles {} and {} are {:.6g} apart, the capsule's radius is {:.6g}",
-                                  pair.i.value, pair.j.value, distance, bond->capsule));
+                                  pair.i.value, pair.j.value, distance, capsule_of(*bond)));
     }
     const EnergyOfNewBond energy = take_up_bond(model, *bond, recipe, state);
     if (whole)
@@ -213,7 +213,7 @@ bool expect_bonds(const Case& c, std::size_t set, const Model& model, State& sta
   const BondSpec& spec = c.bonds[set];
   if (spec.reach() || std::holds_alternative<AtCrossings>(spec.select.value)) return false;
   BondRecipe recipe = spec.recipe;
-  recipe.set = static_cast<std::uint32_t>(set);
+  recipe.set = static_cast<std::uint16_t>(set);
   const std::vector<BondRecipe> cells = recipes_of(recipe);
   bool all = true;
   SharedCells shared;
@@ -242,7 +242,7 @@ std::vector<std::string> notes_on_prestrain(const Case& c, const Model& model, c
       const auto all = count_bonds(body, [&](const Bond& b) { return b.set == set; });
       const auto weak = count_bonds(body, [&](const Bond& b) {
         return b.set == set &&
-               breaks_as_made(b, bond_site(model, state, b.i), bond_site(model, state, b.j, b.image_j));
+               breaks_as_made(b, bond_site(model, state, b.i), bond_site(model, state, b.j, image_of_j(b)));
       });
       if (weak > 0)
         notes.push_back(

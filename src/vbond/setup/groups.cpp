@@ -48,9 +48,7 @@ class Adder {
 };
 
 Group consecutive(std::string name, std::size_t first, std::size_t count) {
-  Group g{std::move(name), {}};
-  for (std::size_t k = 0; k < count; ++k) g.particles.push_back(ParticleId{first + k});
-  return g;
+  return {std::move(name), IdList<ParticleId>::consecutive(ParticleId{first}, count)};
 }
 
 Group part_of(const PlacedSpecimen& s, std::size_t part, std::string name) {

@@ -104,7 +104,7 @@ struct DynamicsResolver : StageResolver {
                        b.recipe,
                        reach->factor,
                        b.share};
-      rule.recipe.set = static_cast<std::uint32_t>(set);
+      rule.recipe.set = static_cast<std::uint16_t>(set);
       if (!check_radii(b, *reach, *first) || !check_radii(b, *reach, *second)) continue;
       check_length(b, *reach, *first, *second);
       if (breaks_by_prestrain(rule, model))
@@ -124,7 +124,7 @@ struct DynamicsResolver : StageResolver {
                                    [this](ParticleId p) { return !(model.radius[p] > 0.0); });
     if (bare == g.particles.end()) return true;
     problems.add(b.place,
-                 fmt::format("bonds \"{}\" follow radii: particle {} has radius {}", b.name, bare->value,
+                 fmt::format("bonds \"{}\" follow radii: particle {} has radius {}", b.name, (*bare).value,
                              model.radius[*bare]),
                  "every particle of the two groups needs a radius > 0",
                  "give the specimen a radius, or select by distance with attach = \"centres\"");

@@ -107,7 +107,8 @@ void add_names(const SetOfPairs& set, const PerParticle<char>& own, BondId first
 /// A bond by which another process can make it, too.
 struct NamedBond {
   BondId name;
-  std::uint32_t set, cell;
+  std::uint16_t set;
+  std::uint32_t cell;
   BondSite i, j;
 };
 
@@ -129,7 +130,7 @@ void add_first_ones(const Case& c, const std::vector<SetOfPairs>& sets, const Mo
   std::vector<NamedBond> mine;
   std::vector<Bond> kinds;
   std::size_t of_set = 0;  // before this one
-  std::uint32_t last_set = 0;
+  std::uint16_t last_set = 0;
   for (const BondId k : state.bonds.ids()) {
     const Bond& b = state.bonds[k];
     if (std::exchange(last_set, b.set) != b.set) of_set = k.value;
@@ -138,7 +139,7 @@ void add_first_ones(const Case& c, const std::vector<SetOfPairs>& sets, const Mo
     if (is_new || bonds.part.names[k].value == 0)
       mine.push_back({bonds.part.names[k], b.set,
                       static_cast<std::uint32_t>((k.value - of_set) % sets[b.set].cells),
-                      bond_site(model, state, b.i), bond_site(model, state, b.j, b.image_j)});
+                      bond_site(model, state, b.i), bond_site(model, state, b.j, image_of_j(b))});
   }
   std::vector<NamedBond> all = bonds.all->gather(mine);
   std::sort(all.begin(), all.end(), [](const NamedBond& a, const NamedBond& b) { return a.name < b.name; });

@@ -30,10 +30,11 @@ std::vector<Pair> PairSelection::operator()(const WithinFactor& within) {
 /// thick as the thinner of their particles.
 PerBond<Bond> PairSelection::fibres() const {
   PerBond<Bond> bonds = state.bonds;
-  if (std::any_of(bonds.begin(), bonds.end(), [](const Bond& b) { return b.capsule > 0.0; })) return bonds;
+  if (std::any_of(bonds.begin(), bonds.end(), [](const Bond& b) { return capsule_of(b) > 0.0; }))
+    return bonds;
   for (Bond& b : bonds)
     if (b.set < c.bonds.size() && std::holds_alternative<SpecimenPairs>(c.bonds[b.set].select.value))
-      b.capsule = std::min(model.radius[b.i], model.radius[b.j]);
+      set_capsule(b, std::min(model.radius[b.i], model.radius[b.j]));
   return bonds;
 }
 
@@ -65,7 +66,7 @@ SelectedPairs PairSelection::crossings(double gap) {
 template <class Within>
 void PairSelection::refuse_no_crossing(double gap, const PerBond<Bond>& bonds, Within within) {
   double thickest = 0.0;
-  for (const Bond& b : bonds) thickest = std::max(thickest, b.capsule);
+  for (const Bond& b : bonds) thickest = std::max(thickest, capsule_of(b));
   const std::string what = fmt::format("bonds \"{}\": crossing_gap = {}", spec.name, gap);
   if (!(thickest > 0.0))
     return problems.add(place(), what,

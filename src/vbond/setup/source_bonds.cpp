@@ -54,7 +54,7 @@ void take_down(const Case& c, std::size_t set, const SelectedPairs& selected, co
   State made = waiting;
   make_bonds(c, set, built.model, made, selected, problems);
   BondRecipe recipe = c.bonds[set].recipe;
-  recipe.set = static_cast<std::uint32_t>(set);
+  recipe.set = static_cast<std::uint16_t>(set);
   source.recipes.push_back(recipe);
   const auto number = static_cast<std::uint32_t>(source.recipes.size() - 1);
   const auto place = [&source](ParticleId p) {

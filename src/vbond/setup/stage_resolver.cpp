@@ -51,7 +51,8 @@ double resolve_time(const CaseTime& time, const Model& model, const std::string&
 
 std::vector<ParticleId> StageResolver::particles(const Placed<std::string>& group) const {
   const Group* g = look_up_group(group, model, problems);
-  return g == nullptr ? std::vector<ParticleId>{} : g->particles;
+  if (g == nullptr) return {};
+  return g->particles;
 }
 
 std::optional<DistanceStop> StageResolver::distance_stop(const DistanceStopSpec& s) const {

@@ -339,7 +339,7 @@ double StaticBody::largest_bond_change(const Vector& x, double load_factor_chang
     if (b.broken) continue;
     const Movement &of_i = moves[b.i], &of_j = moves[b.j];
     Vec3d apart = of_j.shift - of_i.shift;
-    if (moves_cell() && !b.image_j.is_itself()) apart += times(cell, image_at_start(b.image_j));
+    if (moves_cell() && !image_of_j(b).is_itself()) apart += times(cell, image_at_start(image_of_j(b)));
     const double turn = norm(of_j.turn - of_i.turn) / unknowns_.length();
     largest = larger(largest, turn);
     const double stretch = norm(apart), by_centres = norm(between(state_, b));

@@ -80,8 +80,8 @@ void StaticBody::note_rounding_of_cell() {
   constexpr double eps = std::numeric_limits<double>::epsilon();
   double sum = 0.0;
   for (const Bond& b : state_.bonds)
-    if (!b.broken && !b.image_j.is_itself()) {
-      const double way = norm(image_at_start(b.image_j));
+    if (!b.broken && !image_of_j(b).is_itself()) {
+      const double way = norm(image_at_start(image_of_j(b)));
       sum += sq(b.law->stiffness(b).c_A * (norm(state_.r[b.i]) + way + b.a) * way);
     }
   rounding_of_force_ = std::max(rounding_of_force_, eps * std::sqrt(sum) / unknowns_.cell_length());

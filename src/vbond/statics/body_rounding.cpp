@@ -27,7 +27,7 @@ PerParticle<double> StaticBody::rounding_at_particles() const {
     if (b.broken) continue;
     const BondStiffness<double> c = b.law->stiffness(b);
     const double lever = std::max(1.0, b.a / L);
-    const double e = (c.c_A + c.c_D) * (place(b.i, b.j, b.image_j) + eps * b.a) * lever +
+    const double e = (c.c_A + c.c_D) * (place(b.i, b.j, image_of_j(b)) + eps * b.a) * lever +
                      eps * angular_scale(b) / std::min(b.a, L);
     sum[b.i] += e, sum[b.j] += e;
   }

@@ -72,7 +72,7 @@ const StaticBody::Loaded& StaticBody::loads_at_hand() const {
   add_applied(load_factor_, l.loads);
   l.largest = max_norm(on_unknowns(l.loads));
   const auto add = [&](const Bond& b, const BondLoads<double>& f) {
-    push(b.i, b.j, b.image_j, f.F);
+    push(b.i, b.j, image_of_j(b), f.F);
     l.loads.M[b.i] += f.M_ij, l.loads.M[b.j] += f.M_ji;
     l.largest = larger(l.largest, larger(norm(f.M_ij), norm(f.M_ji)) / unknowns_.length());
   };
@@ -122,7 +122,7 @@ const StaticBody::Stiffness& StaticBody::stiffness_at_hand() const {
       [this](BondId k) {
         const Bond& b = state_.bonds[k];
         const PairTangent<9> t = b.law->tangent(b, bond_pose(b, state_), history_before(k));
-        add_pair(b.i, b.j, b.image_j, block_of(t, unknowns_.length()));
+        add_pair(b.i, b.j, image_of_j(b), block_of(t, unknowns_.length()));
         if (is_cracked(b)) stiffness_.friction = larger(stiffness_.friction, skew_of_friction(b, t));
       });
   for_touching([&](ParticleId i, ParticleId j, const Image& of_j, double) {
@@ -174,7 +174,7 @@ void StaticBody::lay_out() const {
   std::vector<Assembly::Pair> pairs;
   const auto add = [&pairs](const Assembly::Pair& p) { pairs.push_back(p); };
   for (const Bond& b : state_.bonds)
-    if (!b.broken) for_pairs_of(unknowns_, b.i, b.j, b.image_j, add);
+    if (!b.broken) for_pairs_of(unknowns_, b.i, b.j, image_of_j(b), add);
   const auto add_touching = [&](ParticleId i, ParticleId j, const Image& n, double) {
     for_pairs_of(unknowns_, i, j, n, add);
   };
@@ -213,7 +213,7 @@ void StaticBody::find_places() const {
   place_in_tangent_.assign(state_.bonds.size(), {});
   for (const BondId k : state_.bonds.ids()) {
     const Bond& b = state_.bonds[k];
-    if (!b.broken && b.image_j.is_itself() && is_plain(b.i) && is_plain(b.j))
+    if (!b.broken && image_of_j(b).is_itself() && is_plain(b.i) && is_plain(b.j))
       place_in_tangent_[k] = stiffness_.assembly.place_of(b.i, b.j);
   }
 }
@@ -259,10 +259,10 @@ DenseMatrix StaticBody::tangent_of(BondId k, const std::vector<int>& unknowns) c
     K += block_of(b.law->tangent(b, bond_pose(b, state_), history_before(k)), unknowns_.length());
   bool touches = false;
   for_touching([&](ParticleId i, ParticleId j, const Image& n, double) {
-    touches =
-        touches || (i == b.i && j == b.j && n == b.image_j) || (i == b.j && j == b.i && n == -b.image_j);
+    touches = touches || (i == b.i && j == b.j && n == image_of_j(b)) ||
+              (i == b.j && j == b.i && n == -image_of_j(b));
   });
-  if (touches) K += block_of(touch(model_, state_, b.i, b.j, b.image_j));
+  if (touches) K += block_of(touch(model_, state_, b.i, b.j, image_of_j(b)));
   K = stiffness_.assembly.in_axes(b.i, b.j, K);
   const auto at = [&](int row) {
     const int u = unknowns_.of(unknowns_.carrier(row < 6 ? b.i : b.j), row % 6);
@@ -271,7 +271,7 @@ DenseMatrix StaticBody::tangent_of(BondId k, const std::vector<int>& unknowns) c
   };
   const auto size = static_cast<Eigen::Index>(unknowns.size());
   DenseMatrix among = DenseMatrix::Zero(size, size);
-  if (b.image_j.is_itself() && stiffness_.assembly.move_as_one(b.i, b.j)) return among;
+  if (image_of_j(b).is_itself() && stiffness_.assembly.move_as_one(b.i, b.j)) return among;
   for (int row = 0; row < 12; ++row)
     for (int column = 0; column < 12; ++column)
       if (at(row) >= 0 && at(column) >= 0)
@@ -312,9 +312,9 @@ void StaticBody::for_image_blocks(
   };
   for (const BondId k : state_.bonds.ids()) {
     const Bond& b = state_.bonds[k];
-    if (b.broken || b.image_j.is_itself()) continue;
+    if (b.broken || image_of_j(b).is_itself()) continue;
     const PairTangent<9> t = b.law->tangent(b, bond_pose(b, state_), history_before(k));
-    of_pair(b.i, b.j, b.image_j, block_of(t, unknowns_.length()));
+    of_pair(b.i, b.j, image_of_j(b), block_of(t, unknowns_.length()));
   }
   for_touching([&](ParticleId i, ParticleId j, const Image& n, double) {
     if (!n.is_itself()) of_pair(i, j, n, block_of(touch(model_, state_, i, j, n)));

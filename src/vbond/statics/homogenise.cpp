@@ -154,7 +154,8 @@ Homogenised Fields::result(TangentSolver& solver, DenseMatrix& X) {
 Fields::Movements Fields::movements(const Bond& b, const std::vector<Vector>& x) const {
   const Unknowns& u = whole_.unknowns();
   const auto& [e1, e2, e3] = model_.cell.edges;
-  const Vec3d way = double(b.image_j.a) * e1 + double(b.image_j.b) * e2 + double(b.image_j.c) * e3;
+  const Vec3d way =
+      double(image_of_j(b).a) * e1 + double(image_of_j(b).b) * e2 + double(image_of_j(b).c) * e3;
   Movements moved;
   for (Eigen::Index k = 0; k < 6; ++k) {
     SymmetricParts unit{};

@@ -59,7 +59,7 @@ PerParticle<std::vector<Link>> links(const Model& model, const State& state, con
     from[i].push_back({j, n}), from[j].push_back({i, -n});
   };
   for (const BondId k : state.bonds.ids())
-    if (const Bond& b = state.bonds[k]; !b.broken && !stands_open(state, k)) join(b.i, b.j, b.image_j);
+    if (const Bond& b = state.bonds[k]; !b.broken && !stands_open(state, k)) join(b.i, b.j, image_of_j(b));
   for_touching_pairs(model, state,
                      [&](ParticleId i, ParticleId j, const Image& n, double) { join(i, j, n); });
   for (const ParticleId p : model.mass.ids())

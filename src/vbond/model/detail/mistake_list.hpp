@@ -64,7 +64,7 @@ class Mistakes {
 
   bool knows(ParticleId p) const { return p.value < n_; }
 
-  void require_known(const std::vector<ParticleId>& particles, const std::string& who,
+  void require_known(const IdList<ParticleId>& particles, const std::string& who,
                      const std::string& group = {}) {
     for (const ParticleId p : particles)
       if (!knows(p))
@@ -73,7 +73,7 @@ class Mistakes {
   }
 
   /// Groups are looked up by bisection.
-  void require_increasing(const std::vector<ParticleId>& particles, const std::string& who) {
+  void require_increasing(const IdList<ParticleId>& particles, const std::string& who) {
     require(std::adjacent_find(particles.begin(), particles.end(), std::greater_equal<>()) == particles.end(),
             who + " does not name its particles in increasing order, each once");
   }

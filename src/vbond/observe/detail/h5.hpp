@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -120,6 +121,17 @@ struct Stored<Id<Tag>> {
   static constexpr std::size_t count = 1;
   static void put(const Id<Tag>& x, Number* to) { *to = x.value; }
   static void take(const Number* from, Id<Tag>& x) { x = Id<Tag>{*from}; }
+};
+/// Bond sets: their numbers took four bytes once, and still do in files.
+template <>
+struct Stored<std::uint16_t> {
+  using Number = std::uint32_t;
+  static constexpr std::size_t count = 1;
+  static void put(std::uint16_t x, Number* to) { *to = x; }
+  static void take(const Number* from, std::uint16_t& x) {
+    if (*from > std::numeric_limits<std::uint16_t>::max()) throw IoError("has more than 65,536 bond sets");
+    x = static_cast<std::uint16_t>(*from);
+  }
 };
 /// Enumerations and bool: one byte, checked against the largest valid value.
 template <class E, std::uint8_t largest>

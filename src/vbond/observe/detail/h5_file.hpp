@@ -24,6 +24,9 @@
 /// A checkpoint's HDF5 file as it is written and read, data set by data set.
 namespace vbond {
 
+/// Columns are written and read so many rows at a time.
+inline constexpr std::size_t h5_rows_at_once = std::size_t{1} << 16;
+
 /// A data set: where it stands, and its attributes.
 struct DataSet {
   std::string path;
@@ -62,7 +65,7 @@ class H5Writer {
                   numbers.data()));
   }
 
-  static constexpr std::size_t rows_at_once = std::size_t{1} << 16;
+  static constexpr std::size_t rows_at_once = h5_rows_at_once;
 
   /// A column of so many rows, each of the numbers of a T, that is written some rows at a time.
   template <class T>
@@ -172,28 +175,57 @@ class H5Reader {
     Stored<T>::take(numbers.data(), value);
   }
 
-  /// The column has its size already; the file must agree. Rows of an array may be shorter in the file: what
-  /// came later stands at their end, and is zero.
-  template <class Rows, class Member>
-  void of_each(const std::string& path, Rows& column, Member member) {
-    using T = std::remove_cvref_t<std::invoke_result_t<Member, decltype(*column.begin())>>;
+  /// Calls visit(row, value) for each of the so many rows that the file must have, some at a time. Rows of an
+  /// array may be shorter in the file: what came later stands at their end, and is zero.
+  template <class T, class Visit>
+  void visit_rows(const std::string& path, std::size_t rows, Visit visit) {
     constexpr std::size_t count = Stored<T>::count;
     using Number = typename Stored<T>::Number;
     std::size_t width = count;
     if constexpr (requires(T x) { x.max_size(); } || std::is_same_v<T, KeptCoefficients>)
       if (const std::vector<hsize_t> size = size_of(open(path)); size.size() == 2 && size[1] > 0)
         width = std::min<std::size_t>(count, size[1]);
-    std::vector<Number> numbers(column.size() * width);
-    std::vector<hsize_t> size{column.size()};
+    std::vector<hsize_t> size{rows};
     if (count > 1) size.push_back(width);
-    read(path, size, numbers.data());
-    auto next = numbers.begin();
-    for (auto& row : column) {
-      std::array<Number, count> of_row{};
-      std::copy_n(next, width, of_row.begin());
-      next += static_cast<std::ptrdiff_t>(width);
-      Stored<T>::take(of_row.data(), std::invoke(member, row));
+    const H5Handle set = open_plain<Number>(path, size);
+    const H5Handle space(H5Dget_space(set.get()), H5Sclose);
+    std::vector<Number> numbers;
+    for (std::size_t first = 0; first < rows; first += h5_rows_at_once) {
+      size[0] = std::min(h5_rows_at_once, rows - first);
+      numbers.resize(size[0] * width);
+      const std::array<hsize_t, 2> from{first, 0};
+      const H5Handle here(H5Screate_simple(static_cast<int>(size.size()), size.data(), nullptr), H5Sclose);
+      if (H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, from.data(), nullptr, size.data(), nullptr) < 0 ||
+          H5Dread(set.get(), file_type<Number>(), here.get(), space.get(), H5P_DEFAULT, numbers.data()) < 0)
+        damaged(path);
+      for (std::size_t k = 0; k < size[0]; ++k) {
+        std::array<Number, count> of_row{};
+        std::copy_n(&numbers[k * width], width, of_row.begin());
+        T value{};
+        Stored<T>::take(of_row.data(), value);
+        visit(first + k, value);
+      }
     }
+  }
+  /// The column has its size already; the file must agree.
+  template <class Rows, class Member>
+  void of_each(const std::string& path, Rows& column, Member member) {
+    using T = std::remove_cvref_t<std::invoke_result_t<Member, decltype(*column.begin())>>;
+    auto row = column.begin();
+    visit_rows<T>(path, column.size(), [&](std::size_t, const T& value) {
+      std::invoke(member, *row) = value;
+      ++row;
+    });
+  }
+  /// Calls visit(k, value) for some of so many rows: the k-th of these ids, which are in increasing order.
+  template <class T, class IdType, class Visit>
+  void visit_some(const std::string& path, std::size_t rows, const std::vector<IdType>& some, Visit visit) {
+    std::size_t k = 0;
+    visit_rows<T>(path, rows, [&](std::size_t row, const T& value) {
+      if (k == some.size() || some[k].value != row) return;
+      visit(k, value);
+      ++k;
+    });
   }
 
   /// The group that it is in is there.
@@ -236,11 +268,16 @@ class H5Reader {
            H5Pget_external_count(made.get()) == 0;
   }
   template <class N>
-  void read(const std::string& path, const std::vector<hsize_t>& size, N* numbers) {
-    const H5Handle set = open(path);
+  H5Handle open_plain(const std::string& path, const std::vector<hsize_t>& size) {
+    H5Handle set = open(path);
     const H5Handle type(H5Dget_type(set.get()), H5Tclose);
     if (!type || H5Tequal(type.get(), file_type<N>()) <= 0 || size_of(set) != size || !is_plain(set))
       damaged(path);
+    return set;
+  }
+  template <class N>
+  void read(const std::string& path, const std::vector<hsize_t>& size, N* numbers) {
+    const H5Handle set = open_plain<N>(path, size);
     if (H5Dread(set.get(), file_type<N>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers) < 0) damaged(path);
   }
 

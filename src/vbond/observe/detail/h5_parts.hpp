@@ -118,9 +118,9 @@ class BodyInPieces {
                     [&](std::size_t k) { return k < column.size() ? column[BondId{k}] : T{}; });
   }
 
-  template <class Table, class Value>
-  void write_bonds(const Table& table, const Field<Bond, Value>& f) {
-    const auto is_as_new = [&f](const Bond& b) { return b.*f.value == Bond{}.*f.value; };
+  template <class Table, class Value, class Member>
+  void write_bonds(const Table& table, const Field<Bond, Value, Member>& f) {
+    const auto is_as_new = [&f](const Bond& b) { return value_of(b, f.value) == value_of(Bond{}, f.value); };
     const PerBond<Bond>& bonds = part_.state.bonds;
     if (f.traits.filed == Filed::where_any && !all_.any(!std::all_of(bonds.begin(), bonds.end(), is_as_new)))
       return;
@@ -135,16 +135,20 @@ class BodyInPieces {
   void write_member(const DataSet& set, Value Bond::*member) {
     write_of_bonds<Value>(set, [member](const Bond& b) { return b.*member; });
   }
-  void write_member(const DataSet& set, const BondLaw* Bond::* /*law*/) {
+  void write_member(const DataSet& set, ShortPointer<BondLaw> Bond::* /*law*/) {
     lead_([&] { write_laws(file_(), part_.shared.laws); });
     write_of_bonds<LawNumber>(
         set, [this](const Bond& b) { return static_cast<LawNumber>(part_.shared.place_of_law(b)); });
   }
-  void write_member(const DataSet& set, const BondRules* Bond::* /*rules*/) {
+  void write_member(const DataSet& set, ShortPointer<BondRules> Bond::* /*rules*/) {
     lead_([&] { write_rules(file_(), part_.shared.rules); });
     write_of_bonds<RulesNumber>(set, [this](const Bond& b) { return part_.shared.place_of_rules(b); });
   }
-  void write_member(const DataSet& set, Boxed<Quatd> Bond::* /*frame_j*/) {
+  template <class Value>
+  void write_member(const DataSet& set, RareMember<Value> member) {
+    write_of_bonds<Value>(set, [member](const Bond& b) { return member.of(b); });
+  }
+  void write_member(const DataSet& set, RareMember<Quatd> /*frame_j*/) {
     write_of_bonds<Quatd>(set, [](const Bond& b) { return frame_j(b); });
   }
 

@@ -13,8 +13,8 @@
 /// Tables of fields, written to a checkpoint and read back: one data set per field.
 namespace vbond {
 
-template <class Table, class Of, class Value>
-DataSet data_set(const Table& table, const Field<Of, Value>& f) {
+template <class Table, class Of, class Value, class Member>
+DataSet data_set(const Table& table, const Field<Of, Value, Member>& f) {
   return {std::string(table.path) + f.name, f.unit, f.meaning};
 }
 
@@ -47,7 +47,7 @@ void write_rows(H5Writer& file, const Table& table, const Rows& of) {
   if (table.traits.filed == Filed::where_any && of.empty()) return;
   const auto& rows = in_order(of);
   for_each_field(table, [&](const auto& f) {
-    const auto as_new = [&](const Of& row) { return row.*f.value == Of{}.*f.value; };
+    const auto as_new = [&](const Of& row) { return value_of(row, f.value) == value_of(Of{}, f.value); };
     if (f.traits.filed == Filed::always || !std::all_of(rows.begin(), rows.end(), as_new))
       write_column(file, data_set(table, f), rows, f.value);
   });
@@ -86,36 +86,45 @@ struct FileSizes {
   }
 };
 
-/// What the file does not have, and need not, stays as it is in `whole`, which is new.
+/// What the file does not have, and need not.
+template <class Table, class Of, class Value, class Member>
+bool is_left_out(const H5Reader& file, const Table& table, const Field<Of, Value, Member>& f) {
+  return f.traits.filed == Filed::where_any && !file.has(data_set(table, f).path);
+}
+
+template <class Table, class Rows>
+void read_rows(H5Reader& file, const Table& table, KnownLaws laws, Rows& of) {
+  const std::string first = data_set(table, std::get<0>(table.fields)).path;
+  if (table.traits.filed == Filed::where_any && !file.has(first)) return;
+  std::vector<typename Table::Of> rows(file.rows(first));
+  for_each_field(table, [&](const auto& f) {
+    if (!is_left_out(file, table, f)) read_column(file, data_set(table, f).path, laws, rows, f.value);
+  });
+  put_back(std::move(rows), of);
+}
+
+template <class Table, class Of, class Value>
+void read_field(H5Reader& file, const Table& table, const Field<Of, Value>& f, FileSizes sizes,
+                Value& value) {
+  if (is_left_out(file, table, f)) return;
+  if constexpr (is_column<Value>) {
+    value.resize(sizes.of(value));
+    file.of_each(data_set(table, f).path, value, std::identity{});
+  } else {
+    file(data_set(table, f).path, value);
+  }
+}
+
+/// What is left out stays as it is in `whole`, which is new.
 template <class... Tables, class Whole>
 void read_tables(H5Reader& file, const std::tuple<Tables...>& tables, FileSizes sizes, KnownLaws laws,
                  Whole& whole) {
   for_each_table(tables, [&]<class Table>(const Table& table) {
     auto& of = table.in(whole);
-    using Of = typename Table::Of;
-    const auto is_left_out = [&](const auto& f) {
-      return f.traits.filed == Filed::where_any && !file.has(data_set(table, f).path);
-    };
-    if constexpr (is_row_table<Table>) {
-      const std::string first = data_set(table, std::get<0>(table.fields)).path;
-      if (table.traits.filed == Filed::where_any && !file.has(first)) return;
-      std::vector<Of> rows(file.rows(first));
-      for_each_field(table, [&](const auto& f) {
-        if (!is_left_out(f)) read_column(file, data_set(table, f).path, laws, rows, f.value);
-      });
-      put_back(std::move(rows), of);
-    } else {
-      for_each_field(table, [&]<class Value>(const Field<Of, Value>& f) {
-        if (is_left_out(f)) return;
-        Value& value = of.*f.value;
-        if constexpr (is_column<Value>) {
-          value.resize(sizes.of(value));
-          file.of_each(data_set(table, f).path, value, std::identity{});
-        } else {
-          file(data_set(table, f).path, value);
-        }
-      });
-    }
+    if constexpr (is_row_table<Table>)
+      read_rows(file, table, laws, of);
+    else
+      for_each_field(table, [&](const auto& f) { read_field(file, table, f, sizes, of.*f.value); });
   });
 }
 

@@ -43,7 +43,7 @@ void RestHeat::add_load_rates(LoadSum& to) const {
     to.loads.F[b.i] += F, to.loads.F[b.j] -= F;
     to.loads.M[b.i] += rate * (after.M_ij - before.M_ij);
     to.loads.M[b.j] += rate * (after.M_ji - before.M_ji);
-    if (!b.image_j.is_itself()) body_.add_image(b.image_j, F, to);
+    if (!image_of_j(b).is_itself()) body_.add_image(image_of_j(b), F, to);
   }
 }
 
