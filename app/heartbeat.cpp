@@ -70,7 +70,9 @@ void Heartbeat::try_to(Work work) {
 }
 
 void Heartbeat::begin_stage() {
-  try_to([this] {
+  std::optional<std::int64_t> broken;  // asked by all processes, whatever fails below
+  if (run_.simulation() == nullptr && columns_.breaks) broken = count_broken(run_.body_at_start());
+  try_to([this, broken] {
     const std::size_t k = run_.stage_index();
     const Clock& clock = run_.clock();
     look_at_files();
@@ -85,8 +87,8 @@ void Heartbeat::begin_stage() {
     status_.seconds_left = {};
     if (const Simulation* stage = run_.simulation())
       look_at_stage(*stage);
-    else if (columns_.breaks)
-      status_.broken = count_broken(run_.body_at_start().state);  // of own bonds none, before a first stage
+    else if (broken)
+      status_.broken = *broken;
   });
   write();
 }

@@ -1,6 +1,5 @@
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <csignal>
 #include <exception>
 #include <stdexcept>
@@ -18,6 +17,7 @@
 #include "prepare.hpp"
 #include "processes.hpp"
 #include "report_command.hpp"
+#include "resume_from.hpp"
 #include "shell.hpp"
 #include "signals.hpp"
 #include "static_leg.hpp"
@@ -35,7 +35,6 @@
 #include "vbond/setup/build.hpp"
 #include "vbond/setup/own_bonds.hpp"
 #include "vbond/setup/times.hpp"
-#include "vbond/terms/heat/heat.hpp"
 
 namespace vbond::app {
 namespace {
@@ -215,67 +214,6 @@ int run_to_end(Campaign& campaign, std::FILE* status_lines) {
   }
 }
 
-/// The names of the stages that the run had. A run goes on without a status that can be read: that is told.
-std::vector<std::string> names_of_stages(const fs::path& folder) {
-  try {
-    return read_status(folder).stage.names;
-  } catch (const std::invalid_argument& e) {
-    const std::string why = e.what();
-    say("warning: not checked whether the stages of resolved.toml are those that have begun: " +
-            why.substr(0, why.find('\n')) + "\n",
-        stderr);
-    return {};
-  }
-}
-
-/// A checkpoint counts stages: those that have begun must be the first ones still.
-void check_stages(const Case& c, const Clock& now, const fs::path& folder) {
-  const std::vector<std::string> names = names_of_stages(folder);
-  const auto begun = static_cast<std::size_t>(now.stage) + (now.stage_step > 0 ? 1 : 0);
-  for (std::size_t k = 0; k < std::min(begun, names.size()); ++k) {
-    if (k < c.stages.size() && c.stages[k].name == names[k]) continue;
-    throw CaseError(
-        {k < c.stages.size() ? c.stages[k].place : SourcePlace{(folder / "resolved.toml").string(), 0, 0},
-         fmt::format("resolved.toml was edited: stage {} of the run was \"{}\"{}", k + 1, names[k],
-                     k < c.stages.size() ? ", and is \"" + c.stages[k].name + "\" now" : ""),
-         "stages that have begun keep their place and their name; others may be edited",
-         "undo the edit, or start a new run of the edited case with vbond run"});
-  }
-}
-
-/// What may not be edited before going on. An elastic bond keeps its constants for good: the bonds of the
-/// start must be those the run began with.
-void check_edits(const Case& c, const State& start, const State& now, const fs::path& case_file) {
-  const auto stage = static_cast<std::size_t>(now.clock.stage);
-  if (stage > c.stages.size() || (stage == c.stages.size() && now.clock.stage_step > 0))
-    throw CaseError(
-        {{case_file.string(), 0, 0},
-         fmt::format("resolved.toml was edited: it has {} stages, and the checkpoint is in stage {}",
-                     c.stages.size(), now.clock.stage + 1),
-         "stages that have begun cannot be left out",
-         "undo the edit"});
-  const PerBond<Bond>& made = start.bonds;
-  const auto later = std::find_if(now.warm_bonds.begin(), now.warm_bonds.end(),
-                                  [&](const WarmBond& w) { return w.bond.value >= made.size(); });
-  const bool expand_alike =
-      std::equal(start.warm_bonds.begin(), start.warm_bonds.end(), now.warm_bonds.begin(), later);
-  auto warm = now.warm_bonds.begin();  // in order of bonds
-  const auto is_kept = [&](BondId k) {
-    const bool expands = warm != now.warm_bonds.end() && warm->bond == k;
-    Bond kept = expands ? with_growth(now, *warm++, 0.0) : now.bonds[k];  // as it was made
-    kept.broken = made[k].broken, kept.mode = made[k].mode;
-    return made[k] == kept;
-  };
-  bool all_kept = expand_alike && made.size() <= now.bonds.size();
-  for (BondId k{0}; all_kept && k.value < made.size(); ++k.value) all_kept = is_kept(k);
-  if (all_kept) return;
-  throw CaseError(
-      {{case_file.string(), 0, 0},
-       "resolved.toml was edited: its bonds are not those of the checkpoint",
-       "bonds are made once and kept with their constants; durations, loads and output may be edited",
-       "undo the edit, or start a new run of the edited case with vbond run"});
-}
-
 /// A failure to write, such as a full disk, with the way to go on.
 IoError with_way_on(const Campaign& campaign, const IoError& failure) {
   campaign.clear_progress();
@@ -419,14 +357,13 @@ int resume(const fs::path& folder, const RunOptions& options) {
   require_statics(c);
   require_memory(c);
   require_memory(c, processes.here());
-  Built built = build(c, options.threads);
-  Checkpoint checkpoint = read_checkpoint(folder / "checkpoint.h5", built.model);
-  check_edits(c, built.state, checkpoint.state, folder / "resolved.toml");
-  check_stages(c, checkpoint.state.clock, folder);
-  built.state = {};
+  // bonds of particles that sinks took out have no first particle any more whose process could keep them
+  Built built = c.sinks.empty() ? build_for(processes, c, options.threads) : build(c, options.threads);
+  Checkpoint checkpoint = resume_from(processes, c, built, folder);
   const Clock clock = checkpoint.state.clock;  // all of the state that observers go on from
-  Run run(std::move(built.model), std::move(checkpoint.state), stages_of(c, options.threads),
+  Run run(std::move(built.model), std::move(checkpoint.state), stages_of(c, options.threads, built.own),
           options.threads);
+  run.begin_with_own_bonds(std::move(built.own));
   checkpoint.state.clock = clock;
   if (checkpoint.under_way) run.go_on_within(checkpoint.under_way);
   const bool complete = run.complete();

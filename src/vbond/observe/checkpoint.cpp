@@ -12,6 +12,7 @@
 #include "vbond/observe/detail/checkpoint_tables.hpp"
 #include "vbond/observe/detail/fracture_file.hpp"
 #include "vbond/observe/detail/h5_parts.hpp"
+#include "vbond/observe/detail/h5_read_part.hpp"
 #include "vbond/observe/detail/h5_tables.hpp"
 #include "vbond/observe/files.hpp"
 #include "vbond/observe/seal.hpp"
@@ -45,18 +46,18 @@ void check_fingerprint(H5Reader& reader, const Model& model) {
 }
 
 /// What no watch can have seen.
-void check_sense(const WatchRecord& watch, const Model& model, const State& state) {
+void check_sense(const WatchRecord& watch, const FileSizes& sizes) {
   const auto require = [](bool holds, const char* what) {
     if (!holds) throw IoError(fmt::format("is damaged: {}", what));
   };
   const auto all = [](const auto& rows, auto holds) { return std::all_of(rows.begin(), rows.end(), holds); };
-  const std::size_t n = model.particles();
-  require(watch.bonds.size() <= state.bonds.size(), "it watches missing bonds");
-  require(all(watch.overlapping, [n](const auto& p) { return p.first < p.second && p.second.value < n; }),
+  const auto& [n, bonds] = sizes;
+  require(watch.bonds.size() <= bonds, "it watches missing bonds");
+  require(all(watch.overlapping, [n = n](const auto& p) { return p.first < p.second && p.second.value < n; }),
           "an overlap has impossible ends");
-  require(all(watch.stretched, [&](BondId k) { return k.value < state.bonds.size(); }),
+  require(all(watch.stretched, [bonds = bonds](BondId k) { return k.value < bonds; }),
           "a stretched bond is none of its bonds");
-  require(all(watch.in_walls, [n](const auto& in) { return in.first.value < n; }),
+  require(all(watch.in_walls, [n = n](const auto& in) { return in.first.value < n; }),
           "a wall is overlapped by no particle");
   require(all(watch.deep, [n](const auto& d) { return d.second.i < d.second.j && d.second.j.value < n; }),
           "a deep pair has impossible ends");
@@ -134,25 +135,57 @@ void write_checkpoint(const std::filesystem::path& path, const Model& model, con
   });
 }
 
-Checkpoint read_checkpoint(const std::filesystem::path& path, const Model& model,
-                           std::span<const BondLaw* const> laws) {
+namespace {
+
+/// read(reader, sizes) reads what is in the file, once that is known to be of this model.
+template <class Read>
+auto try_to_read(const std::filesystem::path& path, const Model& model, Read read) {
   open_file(path, "rb");  // a missing or forbidden file is told in the system's words
   const H5Silence silence;
   try {
     check_seal(path, format_version, format_within_fracture);
     H5Reader reader(path);
     check_fingerprint(reader, model);
-    Checkpoint c;
-    const FileSizes sizes{.particles = model.particles(), .bonds = reader.rows("/bonds/i")};
-    read_tables(reader, state_table, sizes, laws, c.state);
-    read_tables(reader, watch_table, sizes, laws, c.watch);
-    check_sense(model, c.state);
-    check_sense(c.watch, model, c.state);
-    if (has_fracture(reader)) c.under_way = read_fracture(reader, model, c.state, laws);
-    return c;
+    return read(reader, FileSizes{.particles = model.particles(), .bonds = reader.rows("/bonds/i")});
   } catch (const IoError& e) {
     throw IoError(path.string() + ": " + e.what());
   }
+}
+
+/// After its state.
+void read_rest(H5Reader& reader, const FileSizes& sizes, const Model& model,
+               std::span<const BondLaw* const> laws, Checkpoint& c) {
+  read_tables(reader, watch_table, sizes, laws, c.watch);
+  check_sense(model, c.state);
+  check_sense(c.watch, sizes);
+}
+
+}  // namespace
+
+Checkpoint read_checkpoint(const std::filesystem::path& path, const Model& model,
+                           std::span<const BondLaw* const> laws) {
+  return try_to_read(path, model, [&](H5Reader& reader, const FileSizes& sizes) {
+    Checkpoint c;
+    read_tables(reader, state_table, sizes, laws, c.state);
+    read_rest(reader, sizes, model, laws, c);
+    if (has_fracture(reader)) c.under_way = read_fracture(reader, model, c.state, laws);
+    return c;
+  });
+}
+
+CheckpointInPart read_checkpoint(const std::filesystem::path& path, const Model& model, State made,
+                                 const BondsFromSetUp& own) {
+  return try_to_read(path, model, [&](H5Reader& reader, const FileSizes& sizes) {
+    CheckpointInPart read;
+    if (sizes.bonds != own.whole) return read;
+    StateInPart part(reader, sizes, own.part.names, made.q.held(), {});
+    State& state = read.checkpoint.state;
+    state.bonds = std::move(made.bonds);
+    made = {};  // makes room for what is read
+    read.same_bonds = part.read(state_table, state);
+    read_rest(reader, sizes, model, {}, read.checkpoint);
+    return read;
+  });
 }
 
 }  // namespace vbond

@@ -15,6 +15,7 @@ namespace vbond {
 inline constexpr std::int32_t newest_checkpoint_format = 5;
 
 struct FractureUnderWay;
+struct BondsFromSetUp;
 struct StateOfPart;
 
 /// All that is needed to go on as if nothing had happened: the state bit for bit, and what the watch
@@ -48,5 +49,14 @@ void write_checkpoint(const std::filesystem::path& path, const Model& model, con
 /// of a law that is neither the library's nor one of `laws`.
 Checkpoint read_checkpoint(const std::filesystem::path& path, const Model& model,
                            std::span<const BondLaw* const> laws = {});
+
+/// The same, by one of several processes that each keep their own bonds alone.
+struct CheckpointInPart {
+  Checkpoint checkpoint;    ///< with own bonds, and the orientations, velocities, loads that `made` has
+  bool same_bonds = false;  ///< whether these are as `made` has them, but for what has broken
+};
+/// made: the body as its case is set up, with own bonds. No process asks another for anything here.
+CheckpointInPart read_checkpoint(const std::filesystem::path& path, const Model& model, State made,
+                                 const BondsFromSetUp& own);
 
 }  // namespace vbond
