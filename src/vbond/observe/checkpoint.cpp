@@ -51,13 +51,13 @@ void check_sense(const WatchRecord& watch, const FileSizes& sizes) {
     if (!holds) throw IoError(fmt::format("is damaged: {}", what));
   };
   const auto all = [](const auto& rows, auto holds) { return std::all_of(rows.begin(), rows.end(), holds); };
-  const auto& [n, bonds] = sizes;
+  const std::size_t n = sizes.particles, bonds = sizes.bonds;
   require(watch.bonds.size() <= bonds, "it watches missing bonds");
-  require(all(watch.overlapping, [n = n](const auto& p) { return p.first < p.second && p.second.value < n; }),
+  require(all(watch.overlapping, [n](const auto& p) { return p.first < p.second && p.second.value < n; }),
           "an overlap has impossible ends");
-  require(all(watch.stretched, [bonds = bonds](BondId k) { return k.value < bonds; }),
+  require(all(watch.stretched, [bonds](BondId k) { return k.value < bonds; }),
           "a stretched bond is none of its bonds");
-  require(all(watch.in_walls, [n = n](const auto& in) { return in.first.value < n; }),
+  require(all(watch.in_walls, [n](const auto& in) { return in.first.value < n; }),
           "a wall is overlapped by no particle");
   require(all(watch.deep, [n](const auto& d) { return d.second.i < d.second.j && d.second.j.value < n; }),
           "a deep pair has impossible ends");
