@@ -41,7 +41,8 @@ class ShortPointer {
     if (is_found(known.count.load(std::memory_order_acquire))) return static_cast<std::uint16_t>(k);
     const std::lock_guard lock(known.mutex);
     if (!is_found(known.count.load(std::memory_order_relaxed))) {
-      if (k == most) throw std::length_error("more than 65,535 different laws, or rules, of bonds");
+      if (k == most)
+        throw std::length_error("more than 65,535 objects that are to have numbers of two bytes");
       known.objects[k].store(object, std::memory_order_relaxed);
       known.count.store(k + 1, std::memory_order_release);
     }

@@ -86,11 +86,16 @@ class StateInPart {
   }
   template <class Value>
   bool read_member(const std::string& path, PerBond<Bond>& bonds, Value Bond::*member) {
-    constexpr bool may_change = std::is_same_v<Value, bool> || std::is_same_v<Value, BreakMode>;
     return compare<Value>(path, bonds, [member](Bond& b, const Value& value) {
-      if constexpr (may_change) b.*member = value;
+      if (may_change(member)) b.*member = value;
       return b.*member == value;
     });
+  }
+  static bool may_change(bool Bond::*member) { return member == &Bond::broken; }
+  static bool may_change(BreakMode Bond::*member) { return member == &Bond::mode; }
+  template <class Value>
+  static bool may_change(Value Bond::* /*member*/) {
+    return false;
   }
   bool read_member(const std::string& path, PerBond<Bond>& bonds, ShortPointer<BondLaw> Bond::* /*law*/) {
     return compare<LawNumber>(path, bonds,
