@@ -11,6 +11,7 @@
 #include "vbond/observe/checkpoint.hpp"
 #include "vbond/observe/frame_files.hpp"
 #include "vbond/observe/frames.hpp"
+#include "vbond/observe/spool.hpp"
 #include "vbond/observe/vtp.hpp"
 
 namespace vbond {
@@ -81,6 +82,18 @@ TEST(FullDisk, OlderFileStaysAndNoHalfOneIsLeft) {
     EXPECT_EQ(content_of(folder / name), before[k++]);
     EXPECT_FALSE(std::filesystem::exists(temporary_name(folder / name)));
   }
+}
+
+TEST(FullDisk, ArraysThatWaitTellOfIt) {
+  const Folder folder;
+  Spool spool(folder / "frame.vtp");
+  const std::string block(1 << 20, 'x');
+  const FileLimit limit(3 << 20);
+  expect_in(error_of([&] {
+              for (std::size_t k = 0; k < Spool::in_memory / block.size() + 4; ++k) spool.keep(block);
+            }),
+            "frame.vtp: File too large");
+  EXPECT_TRUE(std::filesystem::is_empty(folder / "."));
 }
 
 TEST(GrowingFile, GrowsWhileNobodyTouchesIt) {

@@ -70,6 +70,29 @@ void require_read(std::FILE* f, const std::filesystem::path& path) {
   if (std::ferror(f)) fail("read", path, errno);
 }
 
+File nameless_file(const std::filesystem::path& beside) {
+  std::filesystem::path name = temporary_name(beside);
+  name += ".arrays";
+  remove_file(name);
+  const int fd = ::open(name.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_APPEND | O_CLOEXEC, 0600);
+  File f(fd < 0 ? nullptr : ::fdopen(fd, "a+b"));
+  const int error = errno;
+  if (fd >= 0) ::unlink(name.c_str());
+  if (fd >= 0 && !f) ::close(fd);
+  if (!f) fail("write", name, error);
+  return f;
+}
+
+void read_at(std::FILE* f, std::uint64_t at, char* to, std::size_t size, const std::filesystem::path& path) {
+  while (size > 0) {
+    const ssize_t n = ::pread(::fileno(f), to, size, static_cast<off_t>(at));
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) fail("read", path, errno);
+    if (n == 0) throw IoError("cannot read " + path.string() + ": it is shorter than it was");
+    at += static_cast<std::uint64_t>(n), to += n, size -= static_cast<std::size_t>(n);
+  }
+}
+
 std::string read_all(const std::filesystem::path& path) {
   const File f = open_file(path, "rb");
   std::string content;

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -23,6 +24,13 @@ void write_all(std::FILE* f, std::string_view bytes, const std::filesystem::path
 /// Throws IoError with the system's reason if the last reading from `f` failed: what came short was not the
 /// end.
 void require_read(std::FILE* f, const std::filesystem::path& path);
+
+/// A file without a name in the folder of this path, to write to its end and to read: it goes when it is
+/// closed. Throws IoError.
+File nameless_file(const std::filesystem::path& beside);
+
+/// Reads so many bytes from this place on. Throws IoError, also if there are fewer.
+void read_at(std::FILE* f, std::uint64_t at, char* to, std::size_t size, const std::filesystem::path& path);
 
 /// The whole file as bytes. Throws IoError.
 std::string read_all(const std::filesystem::path& path);

@@ -1,16 +1,19 @@
 #include "vbond/observe/frame_files.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <iterator>
+#include <limits>
+#include <optional>
+#include <span>
 #include <string>
-#include <utility>
 #include <variant>
 #include <vector>
 
+#include "vbond/core/id_list.hpp"
 #include "vbond/dynamics/simulation.hpp"
 #include "vbond/observe/bond_look.hpp"
-#include "vbond/observe/detail/values_of.hpp"
 #include "vbond/observe/frame_names.hpp"
 #include "vbond/observe/in_cell.hpp"
 #include "vbond/observe/vtp.hpp"
@@ -28,129 +31,149 @@ bool is_in(Only cases, const FrameFormat& format) {
          (cases == Only::wrap && format.wrap && format.cell);
 }
 
-template <class IdType>
-std::vector<IdType> all_of(std::size_t n) {
-  std::vector<IdType> ids;
-  ids.reserve(n);
-  for (const IdType id : IdRange<IdType>(n)) ids.push_back(id);
-  return ids;
+/// Views take more room than all of a frame: they are made of some things at a time.
+constexpr std::size_t at_once = 1 << 12;
+
+/// The arrays of a file that quantities are, one value of each per point or cell.
+template <class Quantity>
+class Columns {
+ public:
+  Columns(std::span<const Quantity> quantities, const FrameFormat& format, UnitSystem units, VtpFile& file,
+          bool per_point) {
+    for (const Quantity& q : quantities) {
+      if (!is_in(q.cases, format)) continue;
+      std::visit(
+          [&]<class T, class View>(T (*)(const View&)) {
+            const char* unit = q.unit.in(units);
+            columns_.push_back({&q, per_point ? &file.begin_point_data<T>(q.name, unit)
+                                              : &file.begin_cell_data<T>(q.name, unit)});
+          },
+          q.value);
+    }
+  }
+  template <class View>
+  void append(const std::vector<View>& views) {
+    for (const auto& [quantity, array] : columns_)
+      std::visit(
+          [&]<class T>(T (*value)(const View&)) {
+            std::vector<T> values;
+            values.reserve(views.size());
+            for (const View& view : views) values.push_back(value(view));
+            array->append(values);
+          },
+          quantity->value);
+  }
+
+ private:
+  struct Column {
+    const Quantity* quantity;
+    VtpArray* array;
+  };
+  std::vector<Column> columns_;
+};
+
+/// Calls `use` with some ids of the list after the other.
+template <class IdType, class Use>
+void some_at_a_time(const IdList<IdType>& ids, const Use& use) {
+  for (std::size_t first = 0; first < ids.size(); first += at_once) {
+    std::vector<IdType> some;
+    for (std::size_t k = first; k < std::min(first + at_once, ids.size()); ++k) some.push_back(ids[k]);
+    use(some);
+  }
 }
 
-std::vector<Vec3d> positions_of(const std::vector<ParticleId>& particles, const State& state) {
-  std::vector<Vec3d> r;
-  r.reserve(particles.size());
-  for (const ParticleId p : particles) r.push_back(state.r[p]);
-  return r;
+/// Long integers where one of its numbers might need them.
+FrameFormat with_room_for_numbers(FrameFormat format, const State& state) {
+  constexpr auto most = static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max());
+  format.long_integers = format.long_integers || state.r.size() + 2 * state.bonds.size() > most;
+  return format;
 }
 
-/// These particles. Stress is looked for in the whole body. fragments: where bonds may break.
-VtpFile file_of_particles(const std::vector<ParticleId>& particles, const Model& model, const State& state,
-                          const Fragments* fragments, FrameFormat format) {
+/// These particles. Stress is looked for in the whole body. fragments: where bonds may break. beside: where
+/// the file is going to be.
+VtpFile file_of_particles(const IdList<ParticleId>& particles, const Model& model, const State& state,
+                          const Fragments* fragments, const FrameFormat& format, const fs::path& beside) {
   PerParticle<Image> images;  // that stand in the cell
   if (format.wrap) images = images_in_cell(model, state);
-  std::vector<Vec3d> places = positions_of(particles, state);
-  if (format.wrap)
-    for (std::size_t k = 0; k < places.size(); ++k) places[k] += to_image(state.cell, images[particles[k]]);
-  VtpFile f = VtpFile::of_points(places, format);
-  f.set_unit_of_points(unit::length.in(model.units));
-  if (const auto cell = frame_cell(model, state)) f.set_cell(*cell);
   PerParticle<Tensor> stress;
   if (format.stress) stress = stress_times_volume(model, state);
-  const auto view = [&](std::size_t k) {
-    ParticleView of{model, state, particles[k], fragments};
-    if (format.wrap) of.image = images[of.id];
-    if (format.stress) of.stress = symmetric_part(1.0 / sphere_volume(model, of.id) * stress[of.id]);
-    return of;
-  };
-  for (const ParticleQuantity& q : particle_quantities()) {
-    if (!is_in(q.cases, format)) continue;
-    std::visit(
-        [&](const auto value) {
-          f.add_point_data(q.name, values_of(particles.size(), view, value), q.unit.in(model.units));
-        },
-        q.value);
-  }
+  VtpFile f(VtpFile::Topology::verts, with_room_for_numbers(format, state), beside);
+  f.set_unit_of_points(unit::length.in(model.units));
+  if (const auto cell = frame_cell(model, state)) f.set_cell(*cell);
+  Columns columns(particle_quantities(), format, model.units, f, true);
+  std::int64_t points = 0;
+  some_at_a_time(particles, [&](const std::vector<ParticleId>& some) {
+    std::vector<Vec3d> places;
+    std::vector<std::int64_t> each;
+    std::vector<ParticleView> views;
+    for (const ParticleId p : some) {
+      ParticleView& of = views.emplace_back(ParticleView{model, state, p, fragments});
+      if (format.wrap) of.image = images[p];
+      if (format.stress) of.stress = symmetric_part(1.0 / sphere_volume(model, p) * stress[p]);
+      places.push_back(format.wrap ? state.r[p] + to_image(state.cell, of.image) : state.r[p]);
+      each.push_back(points++);
+    }
+    f.add_points(places);
+    f.add_cells(each);
+    columns.append(views);
+  });
   return f;
 }
 
-/// What a frame has of one quantity of bonds.
-struct BondArray {
-  const BondQuantity* of;
-  std::variant<std::vector<double>, std::vector<std::int64_t>, std::vector<std::uint8_t>, std::vector<Image>>
-      values;
-};
-
-/// Views take more room than all of a frame: they are made of some bonds at a time.
-std::vector<BondArray> arrays_of(const std::vector<BondId>& bonds, const BodyPart& body, FrameFormat format) {
-  constexpr std::size_t at_once = 1 << 12;
-  std::vector<BondArray> arrays;
-  for (const BondQuantity& q : bond_quantities()) {
-    if (!is_in(q.cases, format)) continue;
-    arrays.push_back({&q, {}});
-    std::visit(
-        [&]<class T>(T (*)(const BondView&)) {
-          arrays.back().values.emplace<std::vector<T>>().reserve(bonds.size());
-        },
-        q.value);
-  }
-  std::vector<BondView> views;
-  for (std::size_t first = 0; first < bonds.size(); first += at_once) {
-    views.clear();
-    for (std::size_t k = first; k < std::min(first + at_once, bonds.size()); ++k) {
-      views.push_back(bond_view(bonds[k], body.state, format.breaks));
-      views.back().id = body.name(bonds[k]);
-    }
-    for (BondArray& array : arrays)
-      std::visit(
-          [&]<class T>(T (*value)(const BondView&)) {
-            auto& values = std::get<std::vector<T>>(array.values);
-            for (const BondView& view : views) values.push_back(value(view));
-          },
-          array.of->value);
-  }
-  return arrays;
-}
-
-/// These bonds between points, which are these particles, in increasing order.
-VtpFile file_of_bonds(const std::vector<BondId>& bonds, const std::vector<ParticleId>& points,
-                      const BodyPart& body, UnitSystem units, FrameFormat format) {
+/// These bonds between points, which are these particles, in increasing order. of_images: of a part of a body
+/// the numbers that points of images have in a frame of the whole body; nullptr: this is the whole body.
+VtpFile file_of_bonds(const IdList<BondId>& bonds, const IdList<ParticleId>& points, const BodyPart& body,
+                      UnitSystem units, const FrameFormat& format, const fs::path& beside,
+                      const std::vector<std::int64_t>* of_images = nullptr) {
   const State& state = body.state;
+  VtpFile f(VtpFile::Topology::lines, with_room_for_numbers(format, state), beside);
+  f.set_unit_of_points(unit::length.in(units));
+  VtpArray* of = nullptr;  // particles, of the places of a periodic body
+  if (!state.cell.empty()) of = &f.begin_point_data<std::int64_t>("particle");
+  VtpArray* numbers = nullptr;  // of points
+  if (of_images != nullptr) numbers = &f.begin_point_data<std::int64_t>(of == nullptr ? "particle" : "point");
+  const auto add_points = [&](const std::vector<Vec3d>& places, const std::vector<std::int64_t>& particles) {
+    f.add_points(places);
+    if (of != nullptr) of->append(particles);
+  };
+  some_at_a_time(points, [&](const std::vector<ParticleId>& some) {
+    std::vector<Vec3d> places;
+    std::vector<std::int64_t> particles;
+    for (const ParticleId p : some) places.push_back(state.r[p]), particles.push_back(p.value);
+    add_points(places, particles);
+    if (numbers != nullptr) numbers->append(particles);
+  });
+  if (numbers != nullptr) numbers->append(*of_images);
+
   const auto point_of = [&points](ParticleId p) -> std::int64_t {
     if (p.value < points.size() && points[p.value] == p) return p.value;
     return std::lower_bound(points.begin(), points.end(), p) - points.begin();
   };
-  std::vector<std::int64_t> ends;
-  std::vector<Vec3d> places = positions_of(points, state);
-  std::vector<std::int64_t> of;  // particles, of the places of a periodic body
-  if (!state.cell.empty())
-    for (const ParticleId p : points) of.push_back(p.value);
-  ends.reserve(2 * bonds.size());
-  for (const BondId k : bonds) {
-    const Bond& b = state.bonds[k];
-    ends.push_back(point_of(b.i));
-    if (image_of_j(b).is_itself()) {
-      ends.push_back(point_of(b.j));
-    } else {  // a line to the image, which stands behind the particles
-      ends.push_back(static_cast<std::int64_t>(places.size()));
-      places.push_back(state.r[b.i] + between(state, b));
-      of.push_back(b.j.value);
+  Columns columns(bond_quantities(), format, units, f, false);
+  auto next_point = static_cast<std::int64_t>(points.size());  // images stand behind the particles
+  some_at_a_time(bonds, [&](const std::vector<BondId>& some) {
+    std::vector<std::int64_t> ends, particles;
+    std::vector<Vec3d> images;
+    std::vector<BondView> views;
+    for (const BondId k : some) {
+      const Bond& b = state.bonds[k];
+      const bool to_an_image = !image_of_j(b).is_itself();
+      ends.push_back(point_of(b.i));
+      ends.push_back(to_an_image ? next_point++ : point_of(b.j));
+      if (to_an_image) images.push_back(state.r[b.i] + between(state, b)), particles.push_back(b.j.value);
+      views.push_back(bond_view(k, state, format.breaks));
+      views.back().id = body.name(k);
     }
-  }
-  VtpFile f = VtpFile::of_lines(places, ends, format);
-  f.set_unit_of_points(unit::length.in(units));
-  if (!state.cell.empty()) f.add_point_data("particle", of);
-  for (BondArray& array : arrays_of(bonds, body, format))
-    std::visit(
-        [&]<class T>(std::vector<T>& values) {
-          f.add_cell_data(array.of->name, std::exchange(values, {}), array.of->unit.in(units));
-        },
-        array.values);
+    add_points(images, particles);
+    f.add_cells(ends);
+    columns.append(views);
+  });
   return f;
 }
 
 /// The numbers that the points of images have in a frame of the whole body, behind the particles: in the
 /// order of bonds.
-std::vector<std::int64_t> numbers_of_images(const std::vector<BondId>& bonds, const BodyPart& body) {
+std::vector<std::int64_t> numbers_of_images(const IdList<BondId>& bonds, const BodyPart& body) {
   if (body.state.cell.empty()) return {};
   std::vector<BondId> here;
   for (const BondId k : bonds)
@@ -164,21 +187,21 @@ std::vector<std::int64_t> numbers_of_images(const std::vector<BondId>& bonds, co
   return numbers;
 }
 
-/// The same of a part of a body, with the numbers that its points have in a frame of the whole body: those of
-/// images are given.
-VtpFile file_of_bonds_of_part(const std::vector<BondId>& bonds, std::vector<ParticleId> points,
+/// These bonds of a part of a body, whose particles are these, with the numbers that its points have in a
+/// frame of the whole body: those of images are given.
+VtpFile file_of_bonds_of_part(const IdList<BondId>& bonds, const IdList<ParticleId>& particles,
                               const std::vector<std::int64_t>& of_images, const BodyPart& body,
-                              UnitSystem units, FrameFormat format) {
-  const State& state = body.state;
-  for (const BondId k : bonds) points.push_back(state.bonds[k].j);
-  std::sort(points.begin(), points.end());
-  points.erase(std::unique(points.begin(), points.end()), points.end());
-  VtpFile f = file_of_bonds(bonds, points, body, units, format);
-  std::vector<std::int64_t> numbers;
-  for (const ParticleId p : points) numbers.push_back(p.value);
-  numbers.insert(numbers.end(), of_images.begin(), of_images.end());
-  f.add_point_data(state.cell.empty() ? "particle" : "point", numbers);
-  return f;
+                              UnitSystem units, const FrameFormat& format, const fs::path& beside) {
+  std::vector<ParticleId> others, points;
+  for (const BondId k : bonds) {
+    const ParticleId j = body.state.bonds[k].j;
+    if (!std::binary_search(particles.begin(), particles.end(), j)) others.push_back(j);
+  }
+  std::sort(others.begin(), others.end());
+  others.erase(std::unique(others.begin(), others.end()), others.end());
+  points.reserve(particles.size() + others.size());
+  std::merge(particles.begin(), particles.end(), others.begin(), others.end(), std::back_inserter(points));
+  return file_of_bonds(bonds, points, body, units, format, beside, &of_images);
 }
 
 /// Numbers of one kind have one type in all parts, however large they are.
@@ -214,18 +237,20 @@ BondView bond_view(BondId id, const State& state, bool may_break) {
 
 void write_particles_vtp(const fs::path& path, const Model& model, const State& state,
                          std::optional<double> load_factor, FrameFormat format) {
-  std::vector<ParticleId> shown;
-  const std::vector<ParticleId> all = all_of<ParticleId>(model.particles()), without = left_out(state);
-  std::set_difference(all.begin(), all.end(), without.begin(), without.end(), std::back_inserter(shown));
+  const std::vector<ParticleId> without = left_out(state);
+  IdList<ParticleId> shown;
+  for (const ParticleId p : IdRange<ParticleId>(model.particles()))
+    if (!std::binary_search(without.begin(), without.end(), p)) shown.push_back(p);
   std::optional<Fragments> fragments;
   if (format.breaks) fragments = find_fragments(model, state, without);
-  file_of_particles(shown, model, state, fragments ? &*fragments : nullptr, format)
+  file_of_particles(shown, model, state, fragments ? &*fragments : nullptr, format, path)
       .write(path, state.clock.time(), state.clock.step, load_factor);
 }
 
 void write_bonds_vtp(const fs::path& path, const State& state, UnitSystem units,
                      std::optional<double> load_factor, FrameFormat format) {
-  file_of_bonds(all_of<BondId>(state.bonds.size()), all_of<ParticleId>(state.r.size()), state, units, format)
+  file_of_bonds(IdList<BondId>::consecutive({}, state.bonds.size()),
+                IdList<ParticleId>::consecutive({}, state.r.size()), state, units, format, path)
       .write(path, state.clock.time(), state.clock.step, load_factor);
 }
 
@@ -233,10 +258,10 @@ void write_part(const fs::path& folder, int part, const Simulation& run, FrameFo
   const BodyPart own = run.part(Show::ends_of_broken);
   const State& state = own.state;
   const auto is_here = [&own](ParticleId p) { return own.has(p) && !is_absent(own.state, p); };
-  std::vector<ParticleId> particles;
+  IdList<ParticleId> particles;
   for (const ParticleId p : state.r.ids())
     if (is_here(p)) particles.push_back(p);
-  std::vector<BondId> bonds;
+  IdList<BondId> bonds;
   for (const BondId k : state.bonds.ids())
     if (is_here(state.bonds[k].i)) bonds.push_back(k);
   const double time = state.clock.time();
@@ -245,14 +270,16 @@ void write_part(const fs::path& folder, int part, const Simulation& run, FrameFo
   std::optional<Fragments> fragments;
   if (format.breaks) fragments = find_fragments(run.model(), own, left_out(state));
   const std::vector<std::int64_t> of_images = numbers_of_images(bonds, own);
+  const fs::path of_particles = folder / name_of_part("particles", step, part),
+                 of_bonds = folder / name_of_part("bonds", step, part);
   {
-    VtpFile file =
-        file_of_particles(particles, run.model(), state, fragments ? &*fragments : nullptr, of_parts(format));
+    VtpFile file = file_of_particles(particles, run.model(), state, fragments ? &*fragments : nullptr,
+                                     of_parts(format), of_particles);
     file.set_points_of_all_parts(static_cast<std::int64_t>(present(state)));
-    file.write(folder / name_of_part("particles", step, part), time, step);
+    file.write(of_particles, time, step);
   }
-  file_of_bonds_of_part(bonds, particles, of_images, own, run.model().units, of_parts(format))
-      .write(folder / name_of_part("bonds", step, part), time, step);
+  file_of_bonds_of_part(bonds, particles, of_images, own, run.model().units, of_parts(format), of_bonds)
+      .write(of_bonds, time, step);
   if (format.cell && part == 0)
     write_cell_vtp(folder / frame_name("cell", step), run.model(), state, {}, format);
 }
@@ -266,10 +293,10 @@ void write_lists_of_parts(const fs::path& folder, int parts, const Model& model,
       files.push_back(fs::path(name_of_part(kind, step, part)).filename().string());
     empty.write_list(folder / name_of_parts(kind, step), files);
   };
-  write(file_of_particles({}, model, {}, nullptr, format), "particles");
+  write(file_of_particles({}, model, {}, nullptr, format, {}), "particles");
   State empty;
   empty.cell = cell_at_start(model);
-  write(file_of_bonds_of_part({}, {}, {}, empty, model.units, format), "bonds");
+  write(file_of_bonds_of_part({}, {}, {}, empty, model.units, format, {}), "bonds");
 }
 
 }  // namespace vbond

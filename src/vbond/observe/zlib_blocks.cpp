@@ -3,13 +3,11 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <cstring>
 #include <new>
 
 namespace vbond {
 namespace {
 
-constexpr std::size_t block_size = 1 << 18;   // a multiple of every number's size
 constexpr std::size_t sample_size = 1 << 13;  // 3 % of the time that the whole block would take
 constexpr int fast = 1, uncompressed = 0;     // levels of deflate
 
@@ -30,26 +28,18 @@ bool is_worth_it(std::string_view block, std::string& scratch) {
   return deflated(sample, fast, scratch) < sample.size() - sample.size() / 5;
 }
 
-void put(std::uint64_t x, std::string& to, std::size_t at) {
-  std::memcpy(to.data() + at, &x, sizeof x);
-}
-
 }  // namespace
 
-std::string in_zlib_blocks(std::string_view bytes) {
-  const std::uint64_t blocks = (bytes.size() + block_size - 1) / block_size;
-  const ZlibHead head{blocks, block_size, bytes.size() % block_size, {}};
-  std::string out(head.head_size(), '\0'), block;
-  put(head.blocks, out, 0);
-  put(head.block_size, out, sizeof(std::uint64_t));
-  put(head.last_size, out, 2 * sizeof(std::uint64_t));
-  for (std::uint64_t k = 0; k < blocks; ++k) {
-    const std::string_view part = bytes.substr(k * block_size, block_size);
-    const int level = is_worth_it(part, block) ? fast : uncompressed;
-    put(deflated(part, level, block), out, ZlibHead::fixed + k * sizeof(std::uint64_t));
-    out += block;
-  }
-  return out;
+std::string zlib_block(std::string_view bytes) {
+  std::string block;
+  deflated(bytes, is_worth_it(bytes, block) ? fast : uncompressed, block);
+  return block;
+}
+
+std::string bytes_of(const ZlibHead& head) {
+  std::vector<std::uint64_t> numbers{head.blocks, head.block_size, head.last_size};
+  numbers.insert(numbers.end(), head.compressed.begin(), head.compressed.end());
+  return {reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(std::uint64_t)};
 }
 
 bool fits(const ZlibHead& head, std::uint64_t bytes, std::uint64_t in_file) {

@@ -10,9 +10,12 @@
 /// stream. Numbers are UInt64, little-endian.
 namespace vbond {
 
-/// The blocks of these bytes. A block whose beginning hardly shrinks, such as one of numbers that differ in
-/// all digits, is stored as it is (deflate's stored blocks): to compress it would take 50 times as long.
-std::string in_zlib_blocks(std::string_view bytes);
+/// Bytes of a block before it is compressed: a multiple of every number's size.
+inline constexpr std::size_t zlib_block_size = 1 << 18;
+
+/// One block. If its beginning hardly shrinks, as that of numbers that differ in all digits, it is stored as
+/// it is (deflate's stored blocks): to compress it would take 50 times as long.
+std::string zlib_block(std::string_view bytes);
 
 /// The numbers before the blocks.
 struct ZlibHead {
@@ -26,6 +29,9 @@ struct ZlibHead {
     return k + 1 == blocks && last_size > 0 ? last_size : block_size;
   }
 };
+
+/// These numbers as they stand in a file.
+std::string bytes_of(const ZlibHead& head);
 
 /// Whether the first three numbers can be those of so many bytes in all, which take `in_file` bytes
 /// compressed.
