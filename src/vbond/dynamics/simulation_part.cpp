@@ -184,7 +184,7 @@ const Vec3d& Simulation::place_at_begin(std::size_t row) const {
 
 /// Images that may come near are as many edges away as particles lie apart, and what may meet reaches.
 void Simulation::note_where_it_begins() {
-  if (!is_part_ && !is_known_for_a_while()) return;
+  if (!is_known_for_a_while()) return;
   const std::size_t own = bodies_.order.own;
   for (std::size_t k = 0; k < own && r_begin_.empty(); ++k)
     if (bodies_.pose[k].r != place_at_begin(k)) r_begin_.resize(own);
@@ -203,8 +203,9 @@ double Simulation::way_of_images(const CellEdges& edges) const {
   return way;
 }
 
-/// Of particles, and of images, which the cell has moved on.
+/// Of particles, and of images, which the cell has moved on; 0 where it does not matter.
 double Simulation::way_since_begin() const {
+  if (!is_known_for_a_while()) return 0.0;
   double most2 = 0.0;
   for (std::size_t k = 0; k < bodies_.order.own; ++k)
     most2 = std::max(most2, norm2(bodies_.pose[k].r - place_at_begin(k)));
@@ -240,8 +241,8 @@ std::vector<BondId> Simulation::own_bonds() const {
 void Simulation::show_ends_of_broken() const {
   const Order& order = bodies_.order;
   std::vector<ParticleId> unknown;
-  for (const BondId b : own_bonds())
-    if (!order.knows(state_.bonds[b].j)) unknown.push_back(state_.bonds[b].j);
+  for (const Bond& b : state_.bonds)
+    if (order.has(b.i) && !order.knows(b.j)) unknown.push_back(b.j);
   std::sort(unknown.begin(), unknown.end());
   unknown.erase(std::unique(unknown.begin(), unknown.end()), unknown.end());
   struct End {
@@ -265,9 +266,11 @@ BodyPart Simulation::part(Show what, double near) const {
 
 BodyPart Simulation::own_part(std::vector<ParticleId> near) const {
   const Order& order = bodies_.order;
-  if (is_own_.empty())
-    for (const ParticleId p : order.row.ids())  // nobody moves those that are absent
-      is_own_.push_back(order.has(p) || (leads() && is_absent(state_, p)));
+  if (is_own_.empty()) {
+    is_own_.resize(order.row.size());
+    for (const ParticleId p : is_own_.ids())  // nobody moves those that are absent
+      is_own_[p] = order.has(p) || (leads() && is_absent(state_, p));
+  }
   return {state_, is_own_, part_bonds_, std::move(near), exchange_};
 }
 
@@ -289,6 +292,7 @@ std::vector<ParticleId> Simulation::near_own(double reach) const {
     }
   }
   std::vector<ParticleId> near;
+  near.reserve(static_cast<std::size_t>(std::count(is_near.begin(), is_near.end(), 1)));
   for (const ParticleId p : is_near.ids())
     if (is_near[p]) near.push_back(p);
   return near;

@@ -159,6 +159,7 @@ void Domains::redistribute(const PerParticle<Vec3d>& all, const PerParticle<doub
 std::vector<ParticleId> Domains::own() const {
   const LAMMPS_NS::Atom& atom = *lammps_->lmp->atom;
   std::vector<ParticleId> own;
+  own.reserve(static_cast<std::size_t>(atom.nlocal));
   for (int k = 0; k < atom.nlocal; ++k) own.push_back(ParticleId{static_cast<std::size_t>(atom.tag[k] - 1)});
   std::sort(own.begin(), own.end());
   return own;

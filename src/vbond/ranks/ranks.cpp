@@ -43,16 +43,17 @@ double longest_bond(const State& state) {
   return std::sqrt(longest2);
 }
 
-/// Where domains are cut: a periodic body in its cell, whose edges are straightened out.
-PerParticle<Vec3d> straightened(const Model& model, const State& state) {
+/// Where domains are cut: a periodic body in its cell, whose edges are straightened out; room: for these
+/// places.
+const PerParticle<Vec3d>& straightened(const Model& model, const State& state, PerParticle<Vec3d>& room) {
   if (!model.cell.any()) return state.r;
-  PerParticle<Vec3d> places = state.r;
-  for (Vec3d& r : places) {
+  room = state.r;
+  for (Vec3d& r : room) {
     r += to_image(state.cell, image_in_cell(state.cell, model.cell.periodic, {}, r));
     const Vec3d s = in_edges(state.cell, r);
     r = {s.x * norm(state.cell[0].along), s.y * norm(state.cell[1].along), s.z * norm(state.cell[2].along)};
   }
-  return places;
+  return room;
 }
 
 /// What each particle costs in a step by itself.
@@ -128,7 +129,8 @@ void Ranks::make_domains(const Model& model, const State& state, const PerPartic
   domains_.reset();
   const double size = size_of_domains(state, longest);
   lost_beyond_ = farthest_found * size;
-  domains_ = std::make_unique<Domains>(straightened(model, state), work, size);
+  PerParticle<Vec3d> room;
+  domains_ = std::make_unique<Domains>(straightened(model, state, room), work, size);
 }
 
 std::vector<ParticleId> Ranks::spread_first(const Model& model, const State& state,
@@ -139,30 +141,26 @@ std::vector<ParticleId> Ranks::spread_first(const Model& model, const State& sta
   PerParticle<double> work = work_of_particles(model, state);
   for (const ParticleId p : work.ids()) work[p] += static_cast<double>(bonds[p]);
   make_domains(model, state, work, longest);
-  longest_first_ = longest;
+  domains_fit_ = true;
   return domains_->own();
 }
 
 Share Ranks::spread(const Model& model, const State& state, double reach, bool knows_all) {
   if (begun_ < 0.0) begun_ = seconds_at_work() - waited_;
   const Waiting waiting(*this);
-  if (const auto longest = std::exchange(longest_first_, {});
-      longest && reach == reach_ && knows_all == knows_all_)
-    return share_of(model, state, *longest);
-  reach_ = reach, knows_all_ = knows_all;
-  const double longest = longest_bond(state);
-  make_domains(model, state, work_of(model, state), longest);
-  return share_of(model, state, longest);
+  if (!std::exchange(domains_fit_, false) || reach != reach_ || knows_all != knows_all_) {
+    reach_ = reach, knows_all_ = knows_all;
+    make_domains(model, state, work_of(model, state), longest_bond(state));
+  }
+  return share_of(model, state);
 }
 
 Share Ranks::spread_anew(const Model& model, const State& state) {
   const Waiting waiting(*this);
-  if (domains_)
-    domains_->redistribute(straightened(model, state), work_of(model, state));
-  else
-    make_domains(model, state, work_of(model, state), longest_bond(state));
+  PerParticle<Vec3d> room;
+  domains_->redistribute(straightened(model, state, room), work_of(model, state));
   const std::vector<ParticleId> before = own_;
-  Share share = share_of(model, state, longest_bond(state));
+  Share share = share_of(model, state);
   std::int64_t come = 0;
   for (const ParticleId p : own_) come += !std::binary_search(before.begin(), before.end(), p);
   MPI_Allreduce(MPI_IN_PLACE, &come, 1, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
@@ -175,6 +173,11 @@ double Ranks::ghost_reach() const {
   return reach_ * (1.0 + margin);
 }
 
+/// Not where bonds alone act, nor where all particles are ghosts and have no images.
+bool Ranks::are_spread_anew(const Model& model) const {
+  return ghost_reach() > 0.0 && (!knows_all_ || model.cell.any());
+}
+
 /// The least that domains can sensibly be as large as.
 double Ranks::size_of_domains(const State& state, double longest) const {
   if (!knows_all_) return std::max({std::numeric_limits<double>::min(), longest, ghost_reach()});
@@ -183,14 +186,12 @@ double Ranks::size_of_domains(const State& state, double longest) const {
   return std::max(1.0, 2.0 * std::sqrt(farthest2));
 }
 
-/// Particles are to be spread anew because ghosts may be missing of what may meet; or else, as bonds keep
-/// theirs however far they move, because domains are to be compact, once a particle has gone a quarter of the
-/// longest bond.
-Share Ranks::share_of(const Model& model, const State& state, double longest) {
+/// Particles are to be spread anew where ghosts may be missing of what may meet; else they stay where they
+/// are however far they move.
+Share Ranks::share_of(const Model& model, const State& state) {
   own_ = domains_->own();
   std::erase_if(own_, [&state](ParticleId p) { return is_absent(state, p); });
-  // those of all particles and no cell need no reach
-  const double reach = knows_all_ && !model.cell.any() ? 0.0 : ghost_reach();
+  const double reach = are_spread_anew(model) ? ghost_reach() : 0.0;
   std::vector<ImageOf> ghosts = ghosts_of(own_, model, state, reach, knows_all_);
   halo_ = Halo(own_, ghosts, model.particles(), *this);
   std::vector<ParticleId> known = own_;
@@ -203,10 +204,8 @@ Share Ranks::share_of(const Model& model, const State& state, double longest) {
   halo_.take_rows(share.order);
   if (reach > 0.0)
     share.farthest = 0.5 * margin * reach_;
-  else if (longest > 0.0)
-    share.farthest = 0.25 * longest;
-  if (!(reach > 0.0) && !knows_all_)
-    domains_.reset();  // of bonds alone, which seldom go far: LAMMPS makes room
+  else
+    domains_.reset();  // LAMMPS makes room
   return share;
 }
 

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -59,9 +58,10 @@ class Ranks : public Partition {
   struct Counts;
   Counts counts(std::size_t mine) const;
   std::string text_of_rank(int rank, std::string text) const;
-  Share share_of(const Model& model, const State& state, double longest);
+  Share share_of(const Model& model, const State& state);
   void make_domains(const Model& model, const State& state, const PerParticle<double>& work, double longest);
   double ghost_reach() const;
+  bool are_spread_anew(const Model& model) const;
   double size_of_domains(const State& state, double longest) const;
 
   int rank_ = 0, size_ = 1, here_ = 1;
@@ -72,7 +72,7 @@ class Ranks : public Partition {
   double reach_ = 0;        // of what may touch or be bonded
   bool knows_all_ = false;  // each rank knows all particles
   double lost_beyond_ = 0;
-  std::optional<double> longest_first_;  // of the bonds to come, since spread_first  [length]
+  bool domains_fit_ = false;  // those of spread_first
   std::unique_ptr<Domains> domains_;
   std::vector<ParticleId> own_;  // in increasing order
   Halo halo_;
