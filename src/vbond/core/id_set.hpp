@@ -14,12 +14,20 @@ template <class IdType>
 class IdSet {
  public:
   /// some: in any order, and any number of times.
-  IdSet(std::size_t whole, const std::vector<IdType>& some) : words_((whole + 63) / 64), whole_(whole) {
-    for (const IdType id : some) words_[id.value / 64].bits |= bit(id);
-    for (Word& w : words_) {
-      w.before = static_cast<std::uint32_t>(size_);
-      size_ += static_cast<std::size_t>(std::popcount(w.bits));
+  IdSet(std::size_t whole, const std::vector<IdType>& some)
+      : IdSet(of(whole, [&some](const auto& add) {
+          for (const IdType id : some) add(id);
+        })) {}
+  /// Those with which for_some calls the function that it gets, likewise.
+  template <class ForSome>
+  static IdSet of(std::size_t whole, const ForSome& for_some) {
+    IdSet set(whole);
+    for_some([&set](IdType id) { set.words_[id.value / 64].bits |= bit(id); });
+    for (Word& w : set.words_) {
+      w.before = static_cast<std::uint32_t>(set.size_);
+      set.size_ += static_cast<std::size_t>(std::popcount(w.bits));
     }
+    return set;
   }
 
   std::size_t whole() const { return whole_; }
@@ -46,6 +54,7 @@ class IdSet {
     std::uint32_t before = 0;  // in the words below
     friend bool operator==(const Word&, const Word&) = default;
   };
+  explicit IdSet(std::size_t whole) : words_((whole + 63) / 64), whole_(whole) {}
   static std::uint64_t bit(IdType id) { return std::uint64_t{1} << (id.value % 64); }
   [[noreturn]] void refuse(IdType id) const {
     throw std::logic_error("number " + std::to_string(id.value) + " is not among the " +

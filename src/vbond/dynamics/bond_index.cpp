@@ -1,8 +1,11 @@
 #include "vbond/dynamics/bond_index.hpp"
 
 #include <algorithm>
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <numeric>
+#include <stdexcept>
 #include <vector>
 
 #include "vbond/model/capsules.hpp"
@@ -19,13 +22,15 @@ BondIndex::BondIndex(const Order& order, const PerBond<Bond>& bonds, const PartB
   };
   std::size_t places = order.row.size();
   if (of_part.own_alone) {
-    std::vector<ParticleId> ends;
-    for_known(
-        [&ends](BondId, ParticleId i, ParticleId j, const Image&) { ends.push_back(i), ends.push_back(j); });
-    const auto some = std::make_shared<IdSet<ParticleId>>(places, ends);
+    const auto some =
+        std::make_shared<IdSet<ParticleId>>(IdSet<ParticleId>::of(places, [&for_known](const auto& add) {
+          for_known([&add](BondId, ParticleId i, ParticleId j, const Image&) { add(i), add(j); });
+        }));
     places = some->size();
     ends_ = some;
   }
+  if (bonds.size() + of_part.others.size() > std::numeric_limits<std::uint32_t>::max() / 2)
+    throw std::length_error("more bonds than a process can look up");
   start_.assign(places + 1, 0);
   bool any_image = false;
   for_known([&](BondId, ParticleId i, ParticleId j, const Image& image_j) {

@@ -77,7 +77,7 @@ class BondIndex {
   std::size_t place(ParticleId p) const { return ends_ ? ends_->place(p) : p.value; }
 
   std::shared_ptr<const IdSet<ParticleId>> ends_;  // who has entries; null: all have a place
-  std::vector<std::size_t> start_, end_;           // of each place's entries
+  std::vector<std::uint32_t> start_, end_;         // of each place's entries
   std::vector<Kept> kept_;
   std::vector<Image> of_other_;  // of each entry; empty: each is bonded to particles themselves
   std::vector<char> of_fibre_;

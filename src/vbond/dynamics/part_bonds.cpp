@@ -229,12 +229,14 @@ PartBonds keep_known_bonds(BondsFromSetUp own, const State& state, const Order& 
 
 std::shared_ptr<const IdSet<ParticleId>> particles_of_part(const State& state, const Stage& stage,
                                                            const Order& order) {
-  std::vector<ParticleId> some = absent(state);
-  for (Row k{0}; k.value < order.known; ++k.value) some.push_back(order.particle[k]);
-  for (const Bond& b : state.bonds) some.push_back(b.i), some.push_back(b.j);
-  for (const Support& s : stage.supports)
-    if (s.rigid) some.insert(some.end(), s.particles.begin(), s.particles.end());
-  return std::make_shared<IdSet<ParticleId>>(state.r.size(), some);
+  return std::make_shared<IdSet<ParticleId>>(IdSet<ParticleId>::of(state.r.size(), [&](const auto& add) {
+    for (const ParticleId p : absent(state)) add(p);
+    for (Row k{0}; k.value < order.known; ++k.value) add(order.particle[k]);
+    for (const Bond& b : state.bonds) add(b.i), add(b.j);
+    for (const Support& s : stage.supports)
+      if (s.rigid)
+        for (const ParticleId p : s.particles) add(p);
+  }));
 }
 
 void take_up_bonds(const State& whole, std::size_t first, const Order& order, State& state, PartBonds& bonds,

@@ -9,6 +9,7 @@
 #include "vbond/dynamics/bond_index.hpp"
 #include "vbond/dynamics/bond_pack.hpp"
 #include "vbond/model/capsules.hpp"
+#include "vbond/model/present.hpp"
 #include "vbond/model/state_table.hpp"
 
 namespace vbond {
@@ -74,7 +75,7 @@ constexpr double row_bytes = sizeof(PoseRow) + sizeof(MotionRow) + sizeof(LoadRo
                              2 * sizeof(double) + sizeof(ParticleId);
 
 /// Its row, and first and last entry of the index.
-constexpr double places_bytes = sizeof(Row) + 2 * sizeof(std::size_t);
+constexpr double places_bytes = sizeof(Row) + 2 * sizeof(std::uint32_t);
 
 /// Of a model, what a rank has of its own particles alone: mass, inertia, first place, specimen.
 constexpr double own_model_bytes = 2 * sizeof(double) + sizeof(Vec3d) + sizeof(std::uint32_t);
@@ -82,8 +83,11 @@ constexpr double own_model_bytes = 2 * sizeof(double) + sizeof(Vec3d) + sizeof(s
 /// Measured (docs/decisions/ranks.md): a rank of a body of 64 particles, and what LAMMPS has of each of its
 /// atoms. It keeps these where particles touch, which may go far.
 constexpr double rank_bytes = 53 * 0x1p20, atom_bytes = 110;
-/// While a rank looks for overlaps: where particles are, and their cells. Measured likewise.
-constexpr double look_bytes = 84;
+/// While a rank looks for overlaps among so many particles: where those of a layer are, and their cells; and
+/// which particles are looked at. Measured likewise.
+double look_bytes(double particles) {
+  return 5 * particles + 84 * PairLayers::particles_of_one(particles);
+}
 
 /// Groups whose numbers do not follow each other are lists.
 double lists_per_particle(const Model& model) {
@@ -133,10 +137,10 @@ double memory_of_each_rank(const Model& model, const State& state, double bonds,
   const double made = atoms + n * (of_all + own_model_bytes + place_bytes + counts) +
                       (keep == RanksKeep::own_motion ? known : n) * motion_bytes +
                       bonds / ranks * (sizeof(Bond) + boxed_per_bond(state) + sizeof(BondId) + pair);
-  const double steps = (particles_touch(model.contact) ? atoms : 0.0) + n * of_all +
-                       known * (use.per_particle - model_bytes_per_particle - lists_per_particle(model) +
-                                own_model_bytes + look_bytes) +
-                       bonds / ranks * (use.per_bond + sizeof(BondId));
+  const double steps =
+      (particles_touch(model.contact) ? atoms : 0.0) + n * of_all +
+      known * (use.per_particle - model_bytes_per_particle - lists_per_particle(model) + own_model_bytes) +
+      look_bytes(known) + bonds / ranks * (use.per_bond + sizeof(BondId));
   constexpr double for_a_moment = 1.05;  // messages, pieces of a checkpoint
   return for_a_moment * (rank_bytes + std::max(made, steps));
 }

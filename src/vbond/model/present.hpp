@@ -1,6 +1,8 @@
 #pragma once
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "vbond/core/bounding_box.hpp"
@@ -16,35 +18,82 @@ inline double reach_of_overlaps(const Model& model) {
   return model.particles() == 0 ? 0.0 : 2.0 * *std::max_element(model.radius.begin(), model.radius.end());
 }
 
+/// A body cut across its longest direction, so that what pairs are found by need not be there of all
+/// particles at once. Few layers are as good as one.
+class PairLayers {
+ public:
+  /// Of these particles. within: how far the second particle of a pair may be.  [length]
+  PairLayers(const std::vector<ParticleId>& particles, const PerParticle<Vec3d>& r, double within)
+      : within_(within) {
+    BoundingBox box;
+    for (const ParticleId p : particles) box.add(r[p]);
+    const Vec3d extent = particles.empty() ? Vec3d{} : box.high - box.low;
+    for (int k = 1; k < 3; ++k)
+      if (component(extent, k) > component(extent, axis_)) axis_ = k;
+    count_ = std::min(1 + particles.size() / particles_each, most);
+    low_ = component(box.low, axis_), thickness_ = component(extent, axis_) / static_cast<double>(count_);
+    if (!(thickness_ > within_)) count_ = 1;
+  }
+  std::size_t count() const { return count_; }
+  /// About how many particles one of the layers of so many has.
+  static double particles_of_one(double particles) {
+    return std::min(particles, std::max(static_cast<double>(particles_each), particles / most));
+  }
+  std::size_t of(const Vec3d& r) const {
+    const double layer = std::floor((component(r, axis_) - low_) / thickness_);
+    return static_cast<std::size_t>(std::clamp(layer, 0.0, static_cast<double>(count_ - 1)));
+  }
+  /// Whether a particle may be the second one of a pair whose first one is in this layer.
+  bool is_near(const Vec3d& r, std::size_t layer) const {
+    if (count_ == 1) return true;
+    const double begin = low_ + thickness_ * static_cast<double>(layer), x = component(r, axis_);
+    const double reach = within_ + 1e-6 * thickness_;  // more than rounding
+    return begin - x <= reach && x - (begin + thickness_) <= reach;
+  }
+
+ private:
+  static constexpr std::size_t particles_each = 1 << 16, most = 16;
+
+  double within_;
+  int axis_ = 0;
+  std::size_t count_ = 1;
+  double low_ = 0, thickness_ = 0;
+};
+
 /// As for_overlapping_images() of the particles of a body, those that are absent apart: many may wait in one
-/// place, and are not looked at. Of a part of a body, pairs that are its own.
+/// place, and are not looked at. Of a part of a body, pairs that are its own, of one layer after the other.
 template <class Visit>
 void for_overlapping_present(const Model& model, const BodyPart& body, double margin, Visit&& visit) {
   const State& state = body.state;
   if (body.is_whole() && !body.shares_pairs() && !any_absent(state))
     return for_overlapping_images(state.cell, model.cell.periodic, state.r.values(), model.radius.values(),
                                   margin, visit);
-  std::vector<std::size_t> of;
-  std::vector<Vec3d> r;
-  std::vector<double> radius;
-  const auto add = [&](ParticleId p) {
-    of.push_back(p.value), r.push_back(state.r[p]), radius.push_back(model.radius[p]);
-  };
+  const double reach = (reach_of_overlaps(model) + margin) * (1.0 + 1e-9);
+  std::vector<ParticleId> near;
   if (body.is_whole()) {
     const bool some = body.shares_pairs() && state.cell.empty();
     BoundingBox own;
     for (const ParticleId p : state.r.ids())
       if (some && body.has_pair_of(p)) own.add(state.r[p]);
-    const double reach = (reach_of_overlaps(model) + margin) * (1.0 + 1e-9);
     for (const ParticleId p : state.r.ids())
-      if (!is_absent(state, p) && (!some || own.is_near(state.r[p], reach))) add(p);
-  } else {
-    for (const ParticleId p : body.near) add(p);
+      if (!is_absent(state, p) && (!some || own.is_near(state.r[p], reach))) near.push_back(p);
   }
-  for_overlapping_images(state.cell, model.cell.periodic, r, radius, margin,
-                         [&](std::size_t i, std::size_t j, const Image& n, double d2) {
-                           if (body.has_pair_of(ParticleId{of[i]})) visit(of[i], of[j], n, d2);
-                         });
+  const std::vector<ParticleId>& all = body.is_whole() ? near : body.near;
+  const bool in_layers = body.shares_pairs() && state.cell.empty();
+  const PairLayers layers(all, state.r, in_layers ? reach : BoundingBox::inf);
+  for (std::size_t layer = 0; layer < layers.count(); ++layer) {
+    std::vector<std::uint32_t> of;
+    std::vector<Vec3d> r;
+    std::vector<double> radius;
+    for (const ParticleId p : all)
+      if (layers.is_near(state.r[p], layer))
+        of.push_back(p.value), r.push_back(state.r[p]), radius.push_back(model.radius[p]);
+    for_overlapping_images(state.cell, model.cell.periodic, r, radius, margin,
+                           [&](std::size_t i, std::size_t j, const Image& n, double d2) {
+                             if (!body.has_pair_of(ParticleId{of[i]})) return;
+                             if (layers.count() == 1 || layers.of(r[i]) == layer) visit(of[i], of[j], n, d2);
+                           });
+  }
 }
 
 }  // namespace vbond

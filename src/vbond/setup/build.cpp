@@ -119,6 +119,14 @@ class Properties {
   Problems& problems_;
 };
 
+/// A column that grows takes up to half as much again.
+void reserve_particles(const std::vector<PlacedSpecimen>& specimens, Model& model) {
+  std::size_t particles = 0;
+  for (const PlacedSpecimen& s : specimens) particles += s.points.r.size();
+  model.mass.reserve(particles), model.inertia.reserve(particles), model.radius.reserve(particles);
+  model.specimen.reserve(particles), model.r_0.reserve(particles);
+}
+
 void add_particles(const PlacedSpecimen& s, std::uint32_t number, Built& built, Problems& problems) {
   const std::size_t before = problems.count();
   const Properties properties(s, problems);
@@ -253,6 +261,7 @@ Built build_body(const Case& c, int threads, const KeepOwnBonds* processes) {
   model.contact = c.contact;
 
   std::vector<PlacedSpecimen> specimens = place_specimens(c, threads);
+  reserve_particles(specimens, model);
   std::uint32_t number = 0;
   for (const PlacedSpecimen& s : specimens) {
     add_particles(s, number++, built, problems);
