@@ -89,6 +89,7 @@ bool run_dynamics_leg(Campaign& campaign) {
     campaign.times.bonds += stage.times().bonds;
     campaign.times.contacts += stage.times().contacts;
     campaign.times.integrate += stage.times().integrate;
+    campaign.times.anew += stage.times().anew;
     add_stage(campaign.summary, stage, why, first, failure);
     save_summary(campaign);
   };

@@ -200,6 +200,19 @@ TEST(WallTime, StepsAreSplitInTheSharesOfTheirSample) {
   EXPECT_EQ(phases[2].seconds, 2.0);
 }
 
+TEST(WallTime, SettingUpAnewIsNoneOfTheSteps) {
+  const auto phases = split_steps(9.0, {.bonds = 3.0, .contacts = 0.0, .integrate = 1.0, .anew = 1.0});
+  ASSERT_EQ(phases.size(), 4u);
+  EXPECT_EQ(phases[0].seconds, 6.0);
+  EXPECT_EQ(phases[2].seconds, 2.0);
+  EXPECT_EQ(phases[3].name, "set_up_anew");
+  EXPECT_EQ(phases[3].seconds, 1.0);
+  const auto short_run = split_steps(1.0, {.anew = 0.25});
+  ASSERT_EQ(short_run.size(), 2u);
+  EXPECT_EQ(short_run[0].seconds, 0.75);
+  EXPECT_EQ(short_run[1].seconds, 0.25);
+}
+
 TEST(WallTime, StepsWithoutASampleStayWhole) {
   const auto phases = split_steps(1e-3, {});
   ASSERT_EQ(phases.size(), 1u);

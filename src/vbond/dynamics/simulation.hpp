@@ -123,8 +123,8 @@ class Simulation final : public BodyView, private MotionHost {
   Handover handover() &&;
   /// Goes on where another one of the stage has ended, from its state, in which this has changed: takes over
   /// its observers, and what it has not told them yet, and books what came in and went. Lost particles: run()
-  /// shows observers the same step again.
-  void take_over(Simulation& before, const Passage& passed);
+  /// shows observers the same step again. seconds: that it took to end the other one and begin this one.
+  void take_over(Simulation& before, const Passage& passed, double seconds = 0.0);
 
   // ---- of a BodyView ----
   const Model& model() const override { return model_; }

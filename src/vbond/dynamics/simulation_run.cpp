@@ -105,11 +105,12 @@ Handover Simulation::handover() && {
   return {give_state(), {}};
 }
 
-void Simulation::take_over(Simulation& before, const Passage& passed) {
+void Simulation::take_over(Simulation& before, const Passage& passed, double seconds) {
   observers_ = std::move(before.observers_);
   steps_to_look_ = before.steps_to_look_;
   const int threads = std::exchange(times_, before.times_).threads;
   times_.threads = threads;
+  times_.anew += seconds;
   next_visit_ = before.next_visit_;  // of the same step, which may have been visited already
   events_ = std::move(before.events_);
   events_.insert(events_.end(), passed.events.begin(), passed.events.end());

@@ -10,7 +10,10 @@ struct StepTimes {
   double bonds = 0;  ///< [s], all three scaled up to all steps
   double contacts = 0;
   double integrate = 0;  ///< moving the particles: kicks, drift, supports, damping, applied loads
-  int threads = 1;       ///< that share the work: fewer than asked for if there is too little for them to do
+  /// Setting the loop up anew within a stage: particles spread anew over processes, images found anew, bodies
+  /// that come or go.  [s], each time
+  double anew = 0;
+  int threads = 1;  ///< that share the work: fewer than asked for if there is too little for them to do
 
   static constexpr std::int64_t one_in = 128;
 

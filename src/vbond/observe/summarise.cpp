@@ -26,9 +26,13 @@ CellSummary summarise_cell(const Model& model, const BodyPart& body) {
 
 std::vector<PhaseTime> split_steps(double seconds, const StepTimes& t) {
   const double sum = t.bonds + t.contacts + t.integrate;
-  if (!(sum > 0.0)) return {{"steps", seconds}};
-  const double scale = seconds / sum;
-  return {{"bonds", scale * t.bonds}, {"contacts", scale * t.contacts}, {"integrate", scale * t.integrate}};
+  const double in_steps = std::max(0.0, seconds - t.anew), scale = sum > 0.0 ? in_steps / sum : 0.0;
+  std::vector<PhaseTime> phases{{"steps", in_steps}};
+  if (sum > 0.0)
+    phases = {
+        {"bonds", scale * t.bonds}, {"contacts", scale * t.contacts}, {"integrate", scale * t.integrate}};
+  if (t.anew > 0.0) phases.push_back({"set_up_anew", seconds - in_steps});
+  return phases;
 }
 
 StageSummary summarise_stage(const Simulation& run, StopReason stop) {

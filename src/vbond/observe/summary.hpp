@@ -135,7 +135,8 @@ struct RunSummary {
 };
 
 /// The wall time of the steps as phases that add up to it: bonds, contacts, integrate in the shares of
-/// these times; "steps" alone if they are all zero, as in a run too short for a sample.
+/// these times, or "steps" if they are all zero, as in a run too short for a sample; and "set_up_anew" if
+/// that was done.
 std::vector<PhaseTime> split_steps(double seconds, const StepTimes& times);
 
 /// The stage of this simulation as it stands.

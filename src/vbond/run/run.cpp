@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <limits>
 #include <stdexcept>
 #include <utility>
@@ -177,7 +178,9 @@ void Run::take_part() {
 
 /// With another simulation of the stage under way, as from a checkpoint of the same moment. All bodies that
 /// are due have come in at once, so that the loop is set up anew once for all of them.
-void Run::go_on_from(Handover next) {
+void Run::set_up_anew() {
+  const auto begun = std::chrono::steady_clock::now();
+  Handover next = std::move(*simulation_).handover();
   const std::unique_ptr<Simulation> before = std::exchange(simulation_, {});
   if (partition_ == nullptr) {
     state_ = std::move(next.state);
@@ -186,7 +189,8 @@ void Run::go_on_from(Handover next) {
     Share share = partition_->spread_anew(model_, next.state);
     simulation_ = part_of(std::move(next.state), std::move(share));
   }
-  simulation_->take_over(*before, next.passed);
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begun;
+  simulation_->take_over(*before, next.passed, taken.count());
 }
 
 const std::vector<StageResult>& Run::run() {
@@ -253,7 +257,7 @@ StopReason Run::steps_of_stage(std::int64_t most) {
   while (true) try {
       const StopReason why = simulation_->run(hooks_.interrupted, most - (clock().step - first));
       if (why != StopReason::running || clock().step - first == most) return why;
-      go_on_from(std::move(*simulation_).handover());
+      set_up_anew();
     } catch (const ParticlesLost& found) {
       if (!drop(found)) throw;
     }

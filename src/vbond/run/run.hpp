@@ -161,7 +161,7 @@ class Run {
   StopReason steps_of_stage(std::int64_t most);
   std::unique_ptr<Simulation> part_of(State state, Share share);
   void take_part();
-  void go_on_from(Handover next);
+  void set_up_anew();
   void end_sources();
   void tell_stage_end(StopReason why, const std::string& failure);
   bool drop(const ParticlesLost& found);
