@@ -350,7 +350,8 @@ int dispatch(int argc, char** argv, app::Processes& processes) {
   if (watch_command->parsed()) return app::watch(watch);
   if (breaks_command->parsed()) return app::breaks(folder, all_breaks);
   if (sweep_command->parsed()) {
-    if (app::has_ranks) throw std::invalid_argument("a sweep starts programs of its own: use vbond sweep");
+    if (!processes.may_start_programs())
+      throw std::invalid_argument("a sweep starts programs of its own: use vbond sweep, in one process");
     return app::sweep(sweep);
   }
   if (export_command->parsed()) return app::export_lammps(run, export_to);

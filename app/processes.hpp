@@ -36,6 +36,8 @@ class Processes {
   virtual void begin_together(const Case& /*c*/) {}
   /// The text of the one that leads.
   virtual std::string text_of_leader(const std::string& text) const { return text; }
+  /// Whether the program may start others, which would take themselves for one of these processes.
+  virtual bool may_start_programs() const { return true; }
   /// What there is to say of them when the run has ended.
   virtual std::string remarks() const { return {}; }
 };

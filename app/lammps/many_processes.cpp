@@ -53,6 +53,7 @@ class MpiRanks : public Processes {
   MpiRanks& operator=(const MpiRanks&) = delete;
 
   Partition* partition() override { return &*ranks_; }
+  bool may_start_programs() const override { return false; }
   RanksHere here() const override { return {ranks_->on_this_machine(), ranks_->ranks()}; }
   std::string text_of_leader(const std::string& text) const override { return ranks_->text_of_leader(text); }
 
