@@ -53,15 +53,15 @@ class Columns {
   }
   template <class View>
   void append(const std::vector<View>& views) {
-    for (const auto& [quantity, array] : columns_)
+    for (const Column& c : columns_)
       std::visit(
           [&]<class T>(T (*value)(const View&)) {
             std::vector<T> values;
             values.reserve(views.size());
             for (const View& view : views) values.push_back(value(view));
-            array->append(values);
+            c.array->append(values);
           },
-          quantity->value);
+          c.quantity->value);
   }
 
  private:
