@@ -59,6 +59,19 @@ TEST(PairLayers, OfAPartAreItsPairsOnceEach) {
   }
 }
 
+TEST(PairLayers, LoseNoPairFarFromTheOrigin) {  // where places are rounded by more than a part of a layer
+  PerParticle<Vec3d> r;
+  std::vector<ParticleId> all;
+  for (std::size_t k = 0; k < 200'000; ++k)
+    r.push_back({1e12 + static_cast<double>(k), 0, 0}), all.push_back(ParticleId{k});
+  const PairLayers layers(all, r, 1.0);
+  ASSERT_EQ(layers.count(), 4u);
+  for (std::size_t k = 1; k < all.size(); ++k) {
+    EXPECT_TRUE(layers.is_near(r[all[k]], layers.of(r[all[k - 1]])));
+    EXPECT_TRUE(layers.is_near(r[all[k - 1]], layers.of(r[all[k]])));
+  }
+}
+
 TEST(PairLayers, AreOneWhereTheyWouldBeThinnerThanPairsReach) {
   PerParticle<Vec3d> r;
   std::vector<ParticleId> all;

@@ -30,25 +30,27 @@ class PairLayers {
     const Vec3d extent = particles.empty() ? Vec3d{} : box.high - box.low;
     for (int k = 1; k < 3; ++k)
       if (component(extent, k) > component(extent, axis_)) axis_ = k;
-    count_ = std::min(1 + particles.size() / particles_each, most);
-    low_ = component(box.low, axis_), thickness_ = component(extent, axis_) / static_cast<double>(count_);
-    if (!(thickness_ > within_)) count_ = 1;
+    const double low = component(box.low, axis_), size = component(extent, axis_);
+    const std::size_t wanted = std::min(1 + particles.size() / particles_each, most);
+    const double thickness = size / static_cast<double>(wanted);
+    if (!(thickness > within) || !std::isfinite(thickness)) return;  // one
+    for (std::size_t k = 1; k < wanted; ++k) borders_.push_back(low + thickness * static_cast<double>(k));
   }
-  std::size_t count() const { return count_; }
+  std::size_t count() const { return borders_.size() + 1; }
   /// About how many particles one of the layers of so many has.
   static double particles_of_one(double particles) {
     return std::min(particles, std::max(static_cast<double>(particles_each), particles / most));
   }
   std::size_t of(const Vec3d& r) const {
-    const double layer = std::floor((component(r, axis_) - low_) / thickness_);
-    return static_cast<std::size_t>(std::clamp(layer, 0.0, static_cast<double>(count_ - 1)));
+    const auto above = std::upper_bound(borders_.begin(), borders_.end(), component(r, axis_));
+    return static_cast<std::size_t>(above - borders_.begin());
   }
-  /// Whether a particle may be the second one of a pair whose first one is in this layer.
+  /// Whether a particle may be the second one of a pair whose first one is in this layer. Differences are
+  /// compared as those of the pair are, so that rounding leaves out no pair.
   bool is_near(const Vec3d& r, std::size_t layer) const {
-    if (count_ == 1) return true;
-    const double begin = low_ + thickness_ * static_cast<double>(layer), x = component(r, axis_);
-    const double reach = within_ + 1e-6 * thickness_;  // more than rounding
-    return begin - x <= reach && x - (begin + thickness_) <= reach;
+    const double x = component(r, axis_);
+    return (layer == 0 || borders_[layer - 1] - x <= within_) &&
+           (layer == borders_.size() || x - borders_[layer] <= within_);
   }
 
  private:
@@ -56,8 +58,7 @@ class PairLayers {
 
   double within_;
   int axis_ = 0;
-  std::size_t count_ = 1;
-  double low_ = 0, thickness_ = 0;
+  std::vector<double> borders_;  // between layers
 };
 
 /// As for_overlapping_images() of the particles of a body, those that are absent apart: many may wait in one
