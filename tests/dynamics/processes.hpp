@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <numeric>
 #include <span>
 #include <vector>
 
@@ -14,10 +15,14 @@ namespace vbond::testing {
 
 struct Meeting {
   explicit Meeting(std::size_t processes)
-      : all_here(static_cast<std::ptrdiff_t>(processes)), numbers(processes), bytes(processes) {}
+      : all_here(static_cast<std::ptrdiff_t>(processes)),
+        numbers(processes),
+        bytes(processes),
+        sizes(processes) {}
   std::barrier<> all_here;
   std::vector<std::vector<double>> numbers;
   std::vector<std::span<const std::byte>> bytes;
+  std::vector<std::vector<std::size_t>> sizes;  // of what is for each process
 };
 
 /// A ghost that is an image, and where its particle is.
@@ -55,6 +60,25 @@ class ProcessOf : public Base {
     meeting_.all_here.arrive_and_wait();
     largest_gather = std::max(largest_gather, take_all(room));
     meeting_.all_here.arrive_and_wait();
+  }
+  std::vector<std::size_t> swap_bytes(std::span<const std::byte> mine, const std::vector<std::size_t>& sizes,
+                                      const Communicator::Room& room) const override {
+    meeting_.bytes[rank_] = mine, meeting_.sizes[rank_] = sizes;
+    meeting_.all_here.arrive_and_wait();
+    std::vector<std::size_t> come;
+    std::vector<std::byte> all;
+    for (std::size_t k = 0; k < meeting_.bytes.size(); ++k) {
+      const std::vector<std::size_t>& of_k = meeting_.sizes[k];
+      const std::size_t first =
+          std::accumulate(of_k.begin(), of_k.begin() + static_cast<std::ptrdiff_t>(rank_), std::size_t{0});
+      const std::span<const std::byte> for_this = meeting_.bytes[k].subspan(first, of_k[rank_]);
+      all.insert(all.end(), for_this.begin(), for_this.end());
+      come.push_back(for_this.size());
+    }
+    std::byte* const to = room(all.size());
+    if (!all.empty()) std::memcpy(to, all.data(), all.size());
+    meeting_.all_here.arrive_and_wait();
+    return come;
   }
   void send_bytes_to_leader(std::span<const std::byte> mine, const Communicator::Room& room) const override {
     meeting_.bytes[rank_] = mine;

@@ -61,6 +61,13 @@ class Column {
   explicit Column(std::size_t size, const T& value = T{}) : values_(size, value) {}
   Column(std::initializer_list<T> values) : values_(values) {}
   explicit Column(std::vector<T> values) : values_(std::move(values)) {}
+  /// This value for all ids that another column holds.
+  template <class U>
+  static Column alike(const Column<IdType, U>& other, const T& value = T{}) requires may_hold_some<IdType> {
+    Column column(other.values().size(), value);
+    column.some_ = other.held();
+    return column;
+  }
 
   T& operator[](IdType id) { return values_[place(id)]; }
   const T& operator[](IdType id) const { return values_[place(id)]; }
@@ -90,7 +97,7 @@ class Column {
   bool holds(IdType id) const { return holds_all() ? id.value < values_.size() : some_->has(id); }
   /// Holds these from now on, of as large a whole, or all. Those that it has not held so far are as new.
   void hold(Some some) requires may_hold_some<IdType> {
-    if (some == some_) return;
+    if (some == some_ || (some && some_ && *some == *some_)) return;
     Column now;
     now.some_ = std::move(some);
     const std::size_t whole = size();

@@ -35,6 +35,30 @@ class Communicator {
     gather_bytes(mine, room);
   }
 
+  /// What all processes have for this one, in their order; and how many bytes each. `mine` is for the first
+  /// process so many of these bytes, for the next one the following, and so on.
+  virtual std::vector<std::size_t> swap_bytes(std::span<const std::byte> mine,
+                                              const std::vector<std::size_t>& sizes, const Room& room) const;
+
+  /// mine[k] goes to process k. What each of them has for this one.
+  template <class T>
+  std::vector<std::vector<T>> swap(const std::vector<std::vector<T>>& mine) const {
+    std::vector<T> out, in;
+    std::vector<std::size_t> sizes;
+    for (const std::vector<T>& m : mine) {
+      out.insert(out.end(), m.begin(), m.end());
+      sizes.push_back(m.size() * sizeof(T));
+    }
+    sizes = swap_bytes(bytes_of(out), sizes, room_in(in));
+    std::vector<std::vector<T>> of_each;
+    auto next = in.begin();
+    for (const std::size_t size : sizes) {
+      const auto last = next + static_cast<std::ptrdiff_t>(size / sizeof(T));
+      of_each.emplace_back(next, last);
+      next = last;
+    }
+    return of_each;
+  }
   template <class T>
   std::vector<T> gather(const std::vector<T>& mine) const {
     std::vector<T> all;

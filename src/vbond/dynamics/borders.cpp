@@ -68,31 +68,20 @@ std::vector<PlacedParticle> particles_across_borders(const Model& model, const S
       mine.low[k] = std::min(mine.low[k], x[k]), mine.high[k] = std::max(mine.high[k], x[k]);
   }
   const std::vector<Box> boxes = exchange.gather(std::vector<Box>{mine});
-  std::vector<Box> near_boxes;
+  std::vector<std::size_t> near_parts;
   for (std::size_t k = 0; k < boxes.size(); ++k)
     if (static_cast<int>(k) != exchange.rank() && coordinates.are_near(mine, boxes[k]))
-      near_boxes.push_back(boxes[k]);
+      near_parts.push_back(k);
 
-  struct Placed {
-    ParticleId particle;
-    Vec3d r;
-  };
-  std::vector<Placed> told;
-  std::vector<Vec3d> told_first;  // in a message of its own
+  std::vector<std::vector<PlacedParticle>> told(boxes.size());
   for (const ParticleId p : own) {
     const std::array<double, 3> x = coordinates.of(state.r[p]);
-    if (std::any_of(near_boxes.begin(), near_boxes.end(),
-                    [&](const Box& b) { return coordinates.is_near(x, b); }))
-      told.push_back({p, state.r[p]}), told_first.push_back(model.r_0[p]);
+    for (const std::size_t k : near_parts)
+      if (coordinates.is_near(x, boxes[k])) told[k].push_back({p, exchange.rank(), state.r[p], model.r_0[p]});
   }
-  told = exchange.gather(told);
-  told_first = exchange.gather(told_first);
   std::vector<PlacedParticle> across;
-  for (std::size_t k = 0; k < told.size(); ++k) {
-    const auto& [p, r] = told[k];
-    if (!std::binary_search(own.begin(), own.end(), p) && coordinates.is_near(coordinates.of(r), mine))
-      across.push_back({p, r, told_first[k]});
-  }
+  for (const std::vector<PlacedParticle>& some : exchange.swap(told))
+    across.insert(across.end(), some.begin(), some.end());
   return across;
 }
 

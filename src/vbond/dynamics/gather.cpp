@@ -6,7 +6,7 @@
 #include <span>
 #include <type_traits>
 
-#include "vbond/model/state_table.hpp"
+#include "vbond/dynamics/owned_columns.hpp"
 
 namespace vbond {
 namespace {
@@ -45,28 +45,6 @@ class Bring {
   const Communicator& communicator_;
   std::optional<std::vector<IdType>> all_;
 };
-
-/// Those that are known to the part that has the particle, or the bond.
-template <class IdType, class Visit>
-void for_each_owned_column(State& state, Visit visit) {
-  for_each_table(state_table, [&]<class Table>(const Table& table) {
-    if constexpr (!is_row_table<Table>) {
-      auto& of = table.in(state);
-      for_each_field(table, [&]<class Of, class Value>(const Field<Of, Value>& f) {
-        if constexpr (is_column<Value>)
-          if constexpr (is_particle_column<Value> == std::is_same_v<IdType, ParticleId>)
-            if (f.traits.known == Known::by_owner) visit(of.*f.value);
-      });
-    }
-  });
-}
-
-/// Those of a model that parts may have of some particles alone.
-template <class Visit>
-void for_each_shared_column(Model& model, Visit visit) {
-  visit(model.mass), visit(model.inertia), visit(model.r_0);
-  if (!model.specimen.empty()) visit(model.specimen);
-}
 
 }  // namespace
 
@@ -125,12 +103,7 @@ void gather_owned(State& state, const std::vector<ParticleId>& own_particles,
     for_each_owned_column<BondId>(state, [&bring_bonds](auto& column) {
       if (!column.empty()) bring_bonds(column);
     });
-  for_each_table(state_table, [&]<class Table>(const Table& table) {
-    auto& of = table.in(state);
-    if constexpr (is_row_table<Table>)
-      if constexpr (requires { place_of(*of.begin()); })
-        if (table.traits.known == Known::listed) of = in_order_of_places(exchange.gather(of));
-  });
+  for_each_list(state, [&exchange](auto& rows) { rows = in_order_of_places(exchange.gather(rows)); });
 }
 
 }  // namespace vbond

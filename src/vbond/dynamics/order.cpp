@@ -30,7 +30,10 @@ double spacing_in(const Vec3d& extent, std::size_t particles) {
 
 class Layering {
  public:
-  explicit Layering(const PerParticle<Vec3d>& r) : min_(*r.begin()) {
+  /// Of those that the column holds, if any.
+  explicit Layering(const PerParticle<Vec3d>& r) {
+    if (r.values().empty()) return;
+    min_ = *r.begin();
     Vec3d max = min_;
     for (const Vec3d& p : r)
       for (int k = 0; k < 3; ++k) {
@@ -40,7 +43,7 @@ class Layering {
     const Vec3d extent = max - min_;
     std::stable_sort(axis_.begin(), axis_.end(),
                      [&extent](int k, int l) { return component(extent, k) > component(extent, l); });
-    spacing_ = spacing_in(extent, r.size());
+    spacing_ = spacing_in(extent, r.values().size());
   }
   Layers of(const Vec3d& p) const {
     Layers l{};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -191,23 +192,21 @@ SharedByBonds shared_by(const BondsFromSetUp& own) {
   return shared;
 }
 
-namespace {
-
-/// What other parts have of bonds of which an end is known here. All parts call this together, and tell each
-/// other which particles of others they know.
-std::vector<BondEnds> ends_of_others(const BondsFromSetUp& own, const State& state, const Order& order) {
+std::vector<BondEnds> ends_of_others(const PerBond<BondId>& names, const State& state, const Order& order,
+                                     const Communicator& all) {
+  if (!all.any(!state.bonds.empty())) return {};
   std::vector<ParticleId> known;
   for (Row k{order.own}; k.value < order.known; ++k.value)
     if (!order.is_empty(k)) known.push_back(order.particle[k]);
   PerParticle<char> is_known(state.r.size(), 0);  // by any other than its own part
-  own.all->tell_all(known, [&is_known](ParticleId p) { is_known[p] = 1; });
+  all.tell_all(known, [&is_known](ParticleId p) { is_known[p] = 1; });
   std::vector<BondEnds> mine, others;
   for (const BondId k : state.bonds.ids()) {
     const Bond& b = state.bonds[k];
-    if (is_known[b.i] != 0 || is_known[b.j] != 0)
-      mine.push_back({own.part.names[k], b.i, b.j, image_of_j(b)});
+    if (!b.broken && (is_known[b.i] != 0 || is_known[b.j] != 0))
+      mine.push_back({names[k], b.i, b.j, image_of_j(b), is_cracked(b)});
   }
-  own.all->tell_all(mine, [&](const BondEnds& b) {
+  all.tell_all(mine, [&](const BondEnds& b) {
     if (!order.has(b.i) && (order.knows(b.i) || order.knows(b.j))) others.push_back(b);
   });
   std::sort(others.begin(), others.end(),
@@ -215,16 +214,90 @@ std::vector<BondEnds> ends_of_others(const BondsFromSetUp& own, const State& sta
   return others;
 }
 
-}  // namespace
-
 PartBonds keep_known_bonds(BondsFromSetUp own, const State& state, const Order& order,
                            SharedByBonds& shared) {
   if (!std::all_of(state.bonds.begin(), state.bonds.end(),
                    [&order](const Bond& b) { return order.has(b.i); }))
     throw std::logic_error("a part has other particles than it was set up for");
   shared = shared_by(own);
-  own.part.others = ends_of_others(own, state, order);
+  own.part.others = ends_of_others(own.part.names, state, order, *own.all);
   return std::move(own.part);
+}
+
+namespace {
+
+/// A bond on its way, with all that a state has of it.
+struct Moved {
+  SentBond bond;
+  BondHistory history;
+  bool remembers;
+  WarmBond warm;  // no expansion: it is none
+};
+
+/// A state takes up bonds one by one, in the order of their names.
+class Appended {
+ public:
+  Appended(State& state, PerBond<BondId>& names, bool remember)
+      : state_(state), names_(names), remember_(remember) {}
+
+  void add(const Bond& bond, BondId name, const BondHistory& history, WarmBond warm) {
+    warm.bond = BondId{state_.bonds.size()};
+    state_.bonds.push_back(bond);
+    names_.push_back(name);
+    if (remember_) state_.bond_history.push_back(history);
+    if (warm.expansion != 0.0) state_.warm_bonds.push_back(warm);
+  }
+
+ private:
+  State& state_;
+  PerBond<BondId>& names_;
+  bool remember_;
+};
+
+}  // namespace
+
+void move_bonds(const GoesTo& goes_to, State& state, PartBonds& bonds, const SharedByBonds& shared,
+                const Communicator& all) {
+  const auto history = [&state](BondId k) {
+    return state.bond_history.empty() ? no_history : state.bond_history[k];
+  };
+  const auto warm = [&state](BondId k) {
+    const auto at = std::lower_bound(state.warm_bonds.begin(), state.warm_bonds.end(), k,
+                                     [](const WarmBond& w, BondId id) { return w.bond < id; });
+    return at != state.warm_bonds.end() && at->bond == k ? *at : WarmBond{};
+  };
+  bool remember = !state.bond_history.empty(), any_leave = false;
+  std::vector<std::vector<Moved>> leave(static_cast<std::size_t>(all.ranks()));
+  for (const BondId k : state.bonds.ids())
+    if (const auto to = goes_to(state.bonds[k].i)) {
+      leave[*to].push_back({sent(state.bonds[k], bonds.names[k], shared), history(k), remember, warm(k)});
+      any_leave = true;
+    }
+  std::vector<Moved> come;
+  for (const std::vector<Moved>& some : all.swap(leave)) come.insert(come.end(), some.begin(), some.end());
+  if (come.empty() && !any_leave) return;
+  std::sort(come.begin(), come.end(),
+            [](const Moved& a, const Moved& b) { return a.bond.name < b.bond.name; });
+  for (const Moved& m : come) remember |= m.remembers;
+
+  State now;
+  PerBond<BondId> names;
+  Appended to(now, names, remember);
+  auto next = come.begin();
+  const auto add_come_before = [&](BondId name) {
+    for (; next != come.end() && next->bond.name < name; ++next)
+      to.add(received(next->bond, shared), next->bond.name, next->history, next->warm);
+  };
+  for (const BondId k : state.bonds.ids()) {
+    if (goes_to(state.bonds[k].i)) continue;
+    add_come_before(bonds.names[k]);
+    to.add(state.bonds[k], bonds.names[k], history(k), warm(k));
+  }
+  add_come_before(BondId{std::numeric_limits<std::uint32_t>::max()});
+  state.bonds = std::move(now.bonds);
+  state.bond_history = std::move(now.bond_history);
+  state.warm_bonds = std::move(now.warm_bonds);
+  bonds.names = std::move(names);
 }
 
 std::shared_ptr<const IdSet<ParticleId>> particles_of_part(const State& state, const Stage& stage,

@@ -1,7 +1,9 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "vbond/core/communicator.hpp"
@@ -47,8 +49,18 @@ PartBonds keep_own_bonds(State& state, const Order& order, bool leads, SharedByB
 /// The same of a state that has these of its own already; all parts call this together. Throws
 /// std::logic_error if they are not those of this order.
 PartBonds keep_known_bonds(BondsFromSetUp own, const State& state, const Order& order, SharedByBonds& shared);
+/// What parts have of bonds, numbered in the order of their names, of which an end is known here besides.
+/// All parts call this together.
+std::vector<BondEnds> ends_of_others(const PerBond<BondId>& names, const State& state, const Order& order,
+                                     const Communicator& all);
 /// What the bonds of the whole body share.
 SharedByBonds shared_by(const BondsFromSetUp& own);
+
+/// Bonds go with their first particles to the parts that have these from now on: goes_to(p) is that part, or
+/// nothing where p stays. `others` are left as they are. All parts call this together.
+using GoesTo = std::function<std::optional<std::size_t>(ParticleId)>;
+void move_bonds(const GoesTo& goes_to, State& state, PartBonds& bonds, const SharedByBonds& shared,
+                const Communicator& all);
 
 /// The particles that the state of a part has: those that it knows, both ends of its bonds, also where these
 /// have broken, members of grips, and whoever is absent.

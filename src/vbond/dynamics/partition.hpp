@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "vbond/dynamics/exchange.hpp"
+#include "vbond/dynamics/handover.hpp"
 #include "vbond/dynamics/order.hpp"
 #include "vbond/model/body_part.hpp"
 #include "vbond/model/model.hpp"
@@ -24,6 +25,8 @@ struct Share {
   bool begins = false;  ///< with it the stage begins, or goes on after a checkpoint
   /// If the state has own bonds alone already.
   std::optional<BondsFromSetUp> bonds = {};
+  /// If given, state and model are those of a part already.
+  std::optional<PartHandedOver> part = {};
   /// If given, that of the simulation. It has then the particles of this part alone until somebody asks for
   /// the whole state.
   Model* model = nullptr;
@@ -57,6 +60,9 @@ class Partition : public Exchange {
   virtual Share spread(const Model& model, const State& state, double reach, bool knows_all) = 0;
   /// The same body, whose particles have moved since.
   virtual Share spread_anew(const Model& model, const State& state) = 0;
+  /// The same, of which each process has its part alone: particles go from one to another, and state and
+  /// model are then those of the new parts.
+  virtual Share migrate(Model& model, State& state, PartHandedOver part) = 0;
   std::int64_t steps_between_meetings() const override { return 64; }
 };
 

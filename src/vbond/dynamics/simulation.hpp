@@ -121,6 +121,9 @@ class Simulation final : public BodyView, private MotionHost {
   /// state() without a copy, and what has changed in it where run() has ended for that: what another
   /// simulation, of this stage or the next, goes on from. This one may only be taken over then.
   Handover handover() &&;
+  /// The same for another simulation of the stage: of a part its share alone, where a process has that alone
+  /// and no visit has changed the body.
+  Handover handover_of_part() &&;
   /// Goes on where another one of the stage has ended, from its state, in which this has changed: takes over
   /// its observers, and what it has not told them yet, and books what came in and went. Lost particles: run()
   /// shows observers the same step again. seconds: that it took to end the other one and begin this one.
@@ -258,7 +261,11 @@ class Simulation final : public BodyView, private MotionHost {
   bool is_known_for_a_while() const { return std::isfinite(farthest_); }
   void note_where_it_begins();
   const Vec3d& place_at_begin(std::size_t row) const;
-  double way_since_begin() const;
+  struct Ways {
+    double farthest = 0, apart = 0;  // of one particle, and between those of any two  [length]
+  };
+  Ways ways_since_begin() const;
+  double approach(const Ways& ways) const;
   double way_of_images(const CellEdges& edges) const;
   std::array<Vec3d, 3> force_on_images() const;
   void show_own() const;
@@ -266,6 +273,7 @@ class Simulation final : public BodyView, private MotionHost {
   State& collected() const;
   void complete_model() const;
   State give_state();
+  void make_room();
   /// What state_ shows is no longer as of now.
   void has_changed() { shown_ = Shown::nothing, whole_.reset(); }
   void show_ends_of_broken() const;
@@ -297,7 +305,7 @@ class Simulation final : public BodyView, private MotionHost {
   const StepKernel& kernel_ = step_kernel();
   const Model& model_;
   Model* const shared_model_;  // null: the model stays whole
-  const double mass_of_all_;   // [mass]
+  double mass_of_all_;         // [mass]
   const Stage stage_;
   enum class Shown : std::uint8_t { nothing, own, all };  // what state_ has of places and memories as of now
   mutable State state_;

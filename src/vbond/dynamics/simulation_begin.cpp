@@ -38,6 +38,12 @@ PartBonds bonds_of_part(const Model& model, const Stage& stage, Share& share, co
                         State& state, SharedByBonds& shared) {
   const Order& order = share.order;
   if (share.bonds) return keep_known_bonds(*std::exchange(share.bonds, {}), state, order, shared);
+  if (share.part) {
+    PartHandedOver part = *std::exchange(share.part, {});
+    shared = std::move(part.shared);
+    part.bonds.others = ends_of_others(part.bonds.names, state, order, *exchange);
+    return std::move(part.bonds);
+  }
   if (exchange == nullptr || exchange->ranks() == 1 || knows_all(model, stage, state)) return {};
   return keep_own_bonds(state, order, exchange->leads(), shared);
 }
@@ -75,7 +81,8 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
                        Exchange* exchange)
     : model_(consistent(model, stage, *state, exchange != nullptr)),
       shared_model_(share.model),
-      mass_of_all_(std::accumulate(model.mass.begin(), model.mass.end(), 0.0)),
+      mass_of_all_(share.part ? share.part->mass_of_all
+                              : std::accumulate(model.mass.begin(), model.mass.end(), 0.0)),
       stage_(std::move(stage)),
       state_(std::move(*state)),
       before_hold_(take_hold(model, stage_.supports, state_)),

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "vbond/core/bounding_box.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/core/images.hpp"
 #include "vbond/dynamics/borders.hpp"
@@ -203,15 +204,32 @@ double Simulation::way_of_images(const CellEdges& edges) const {
   return way;
 }
 
-/// Of particles, and of images, which the cell has moved on; 0 where it does not matter.
-double Simulation::way_since_begin() const {
-  if (!is_known_for_a_while()) return 0.0;
+/// Of the particles of all parts; none where it does not matter.
+Simulation::Ways Simulation::ways_since_begin() const {
+  Ways ways;
+  if (!is_known_for_a_while()) return ways;
   double most2 = 0.0;
-  for (std::size_t k = 0; k < bodies_.order.own; ++k)
-    most2 = std::max(most2, norm2(bodies_.pose[k].r - place_at_begin(k)));
+  BoundingBox box;
+  for (std::size_t k = 0; k < bodies_.order.own; ++k) {
+    const Vec3d way = bodies_.pose[k].r - place_at_begin(k);
+    most2 = std::max(most2, norm2(way));
+    box.add(way);
+  }
+  std::array<double, 7> most{std::sqrt(most2), box.high.x, box.high.y, box.high.z,
+                             -box.low.x,       -box.low.y, -box.low.z};
+  exchange_.max(most);
+  ways.farthest = most[0];
+  ways.apart = norm(Vec3d{most[1] + most[4], most[2] + most[5], most[3] + most[6]});
+  return ways;
+}
+
+/// How far the two of any pair that may meet have come nearer to each other, by halves. What all of them have
+/// gone alike, as when they fall, does not count. The cell has moved images on.
+double Simulation::approach(const Ways& ways) const {
+  if (!is_known_for_a_while()) return 0.0;
   CellEdges gone = state_.cell;
   for (std::size_t k = 0; k < gone.size(); ++k) gone[k].along -= cell_begin_[k].along;
-  return std::sqrt(most2) + way_of_images(gone);
+  return std::min(ways.farthest, 0.5 * ways.apart) + way_of_images(gone);
 }
 
 // ---- the whole body ----------------------------------------------------------------------------------
@@ -312,6 +330,13 @@ std::optional<StateOfPart> Simulation::state_of_part() const {
   return StateOfPart{state_, std::move(own), part_bonds_.names, shared_, exchange_};
 }
 
+/// Nobody looks at these any more.
+void Simulation::make_room() {
+  bonds_ = {};
+  bond_index_ = {};
+  bodies_.pose = {}, bodies_.motion = {}, bodies_.load = {}, bodies_.damping = {}, bodies_.rates = {};
+}
+
 /// Where processes have own bonds alone, rows and packs make room for those of the others first.
 State Simulation::give_state() {
   if (!part_bonds_.own_alone || shown_ == Shown::all) return std::move(collected());
@@ -320,9 +345,7 @@ State Simulation::give_state() {
   show_loads();
   books();
   const std::vector<ParticleId> own = own_particles();
-  bonds_ = {};
-  bond_index_ = {};
-  bodies_.pose = {}, bodies_.motion = {}, bodies_.load = {}, bodies_.damping = {}, bodies_.rates = {};
+  make_room();
   gather_owned(state_, own, {}, false, exchange_);
   return with_all_bonds(std::move(state_), part_bonds_, shared_, exchange_);
 }

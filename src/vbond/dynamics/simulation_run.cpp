@@ -60,19 +60,16 @@ bool Simulation::meet(bool interrupted) {
   unmet_ = 0;
   if (!is_part_) {
     if (room_ > 0.0) return interrupted;
-    const double way = way_since_begin();
-    has_outgrown_ = way > farthest_;
-    room_ = farthest_ - way;
+    room_ = farthest_ - approach(ways_since_begin());
+    has_outgrown_ = room_ < 0.0;
     return interrupted;
   }
   agree_on_failure();
   fold_brought_in();
-  enum : std::size_t { stop, way, questions };
-  std::array<double, questions> most{leads() && interrupted ? 1.0 : 0.0, way_since_begin()};
-  exchange_.max(most);
-  has_outgrown_ = most[way] > farthest_ && most[way] < lost_beyond_;
-  room_ = farthest_ - most[way];
-  return most[stop] != 0.0;
+  const Ways ways = ways_since_begin();
+  room_ = farthest_ - approach(ways);
+  has_outgrown_ = room_ < 0.0 && ways.farthest < lost_beyond_;
+  return exchange_.leader_says(interrupted);
 }
 
 /// The largest energy that has been brought in after any step is that of the whole body.
@@ -103,6 +100,15 @@ bool Simulation::visit() {
 Handover Simulation::handover() && {
   if (visited_) return *std::exchange(visited_, {});
   return {give_state(), {}};
+}
+
+Handover Simulation::handover_of_part() && {
+  if (visited_ || !part_bonds_.own_alone) return std::move(*this).handover();
+  show_own();
+  show_loads();
+  books();
+  make_room();
+  return {std::move(state_), {}, PartHandedOver{std::move(part_bonds_), std::move(shared_), mass_of_all_}};
 }
 
 void Simulation::take_over(Simulation& before, const Passage& passed, double seconds) {

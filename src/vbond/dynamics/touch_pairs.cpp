@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
+#include <tuple>
 #include <utility>
 
 #include "vbond/dynamics/slots.hpp"
@@ -248,20 +249,34 @@ void TouchPairs::keep_overlap(Row i, Row j, double overlap) {
 }
 
 std::vector<PairMemory> TouchPairs::collect() const {
-  std::vector<PairMemory> memories;
+  struct Remembering {
+    ParticleId i, j;
+    Image image_j;
+    bool is_turned;    // i stands in the upper one of the two rows
+    std::size_t pair;  // here
+    std::tuple<ParticleId, ParticleId, Image> place() const { return {i, j, image_j}; }
+  };
+  std::vector<Remembering> found;  // sorted without what they remember, which is much longer
   for (std::size_t i = 0; i < row_.size(); ++i)
     for (std::size_t k = start_[i]; k < start_[i + 1]; ++k) {
-      const PairHistory h = numbers_of(history(k));
-      const double kept = keeps_overlap_ ? kept_[k] : 0.0;
-      if (h == PairHistory{} && kept == 0.0) continue;
+      const bool remembers = numbers_of(history(k)) != PairHistory{} || (keeps_overlap_ && kept_[k] != 0.0);
+      if (!remembers) continue;
       const ParticleId p = order_.particle[Row{i}], o = order_.particle[second_[k]];
       const Image n = order_.image(second_[k]) - order_.image(Row{i});
-      memories.push_back(p < o || (p == o && n > Image{})
-                             ? PairMemory{p, o, h, kept, n}
-                             : PairMemory{o, p, seen_from_the_other(h), kept, -n});
+      if (p < o || (p == o && n > Image{}))
+        found.push_back({p, o, n, false, k});
+      else
+        found.push_back({o, p, -n, true, k});
     }
-  std::sort(memories.begin(), memories.end(),
-            [](const PairMemory& a, const PairMemory& b) { return place_of(a) < place_of(b); });
+  std::sort(found.begin(), found.end(),
+            [](const Remembering& a, const Remembering& b) { return a.place() < b.place(); });
+  std::vector<PairMemory> memories;
+  memories.reserve(found.size());
+  for (const Remembering& f : found) {
+    const PairHistory h = numbers_of(history(f.pair));
+    memories.push_back({f.i, f.j, f.is_turned ? seen_from_the_other(h) : h,
+                        keeps_overlap_ ? kept_[f.pair] : 0.0, f.image_j});
+  }
   return memories;
 }
 

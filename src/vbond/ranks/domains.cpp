@@ -67,7 +67,7 @@ struct Domains::Lammps {
   void make_atoms(const PerParticle<Vec3d>& all) const;
   /// Moves the borders between domains so that their work is the same but for a twentieth, where planes
   /// through the body can do so.
-  void balance(const PerParticle<double>& work) const;
+  void balance() const;
   /// Particles go to the ranks in whose domains they are.
   void spread() const;
 
@@ -113,9 +113,8 @@ void Domains::Lammps::make_atoms(const PerParticle<Vec3d>& all) const {
                       nullptr, 1);
 }
 
-void Domains::Lammps::balance(const PerParticle<double>& work) const {
+void Domains::Lammps::balance() const {
   if (lmp->comm->nprocs == 1) return;
-  fix->set_costs(work);
   command("balance 1.05 shift xyz 20 1.02 weight var cost");
 }
 
@@ -138,7 +137,8 @@ Domains::Domains(const PerParticle<Vec3d>& all, const PerParticle<double>& work,
   lammps_->make_atoms(all);
   lammps_->command("variable cost atom f_body");
   lammps_->lmp->init();
-  lammps_->balance(work);
+  lammps_->fix->set_costs(work);
+  lammps_->balance();
   lammps_->spread();
 }
 
@@ -150,9 +150,10 @@ void Domains::redistribute(const PerParticle<Vec3d>& all, const PerParticle<doub
     const Vec3d& r = all[ParticleId{static_cast<std::size_t>(atom.tag[k] - 1)}];
     atom.x[k][0] = r.x, atom.x[k][1] = r.y, atom.x[k][2] = r.z;
   }
+  lammps_->fix->set_costs(work);  // goes along with them
   // to their new ranks however far they have gone: what follows is for neighbouring domains only
   lammps_->command("displace_atoms all move 0.0 0.0 0.0 units box");
-  lammps_->balance(work);
+  lammps_->balance();
   lammps_->spread();
 }
 

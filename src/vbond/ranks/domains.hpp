@@ -16,8 +16,8 @@ class Domains {
   Domains(const PerParticle<Vec3d>& all, const PerParticle<double>& work, double margin);
   ~Domains();
 
-  /// Their positions are now these: particles go to the rank in whose domain they are, of equal work if that
-  /// can be. Throws std::runtime_error if particles were lost.
+  /// Positions and work are now these, which a rank knows of its own particles: they go to the rank in whose
+  /// domain they are, of equal work if that can be. Throws std::runtime_error if particles were lost.
   void redistribute(const PerParticle<Vec3d>& all, const PerParticle<double>& work);
   /// What this rank has, in increasing order.
   std::vector<ParticleId> own() const;

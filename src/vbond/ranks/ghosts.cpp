@@ -11,45 +11,50 @@
 namespace vbond {
 namespace {
 
-/// All places that may be near a particle of the body, with whose image each is; those of absent particles
-/// are not among them.
-NearImages places_of(const Model& model, const State& state, double reach) {
-  std::vector<std::size_t> of;
-  std::vector<Vec3d> r;
-  for (const ParticleId p : state.r.ids())
-    if (!is_absent(state, p)) of.push_back(p.value), r.push_back(state.r[p]);
+/// All places that may be near one of these, with whose image each is.
+NearImages with_images(Places among, const Model& model, const State& state, double reach) {
   NearImages places;
   if (model.cell.any()) {
-    places = near_images(state.cell, model.cell.periodic, r, reach);
-    for (std::size_t& k : places.of) k = of[k];
+    places = near_images(state.cell, model.cell.periodic, among.r, reach);
+    for (std::size_t& k : places.of) k = among.of[k].value;
     return places;
   }
-  places.points = r.size();
+  places.points = among.r.size();
   places.image.resize(places.points);
-  places.of = std::move(of);
-  places.r = std::move(r);
+  for (const ParticleId p : among.of) places.of.push_back(p.value);
+  places.r = std::move(among.r);
   return places;
 }
 
-/// Those of the places that are in the box of a rank's particles, or within reach of it.
-std::vector<std::size_t> near_own(const NearImages& places, const PerParticle<char>& is_own, double reach) {
-  BoundingBox box;
-  for (std::size_t k = 0; k < places.points; ++k)
-    if (is_own[ParticleId{places.of[k]}] != 0) box.add(places.r[k], reach);
-  const auto holds = [&box](const Vec3d& r) {
-    return r.x >= box.low.x && r.y >= box.low.y && r.z >= box.low.z && r.x <= box.high.x &&
-           r.y <= box.high.y && r.z <= box.high.z;
+/// Those of the places that are not a rank's own particles themselves and may be near one of these; and those
+/// of its own to which they may be near: ones in the box of the others, or within reach of it.
+std::vector<std::size_t> near_border(const NearImages& places, const PerParticle<char>& is_own,
+                                     double reach) {
+  const auto is_own_place = [&](std::size_t k) {
+    return k < places.points && is_own[ParticleId{places.of[k]}] != 0;
   };
+  BoundingBox own, others;
   std::vector<std::size_t> near;
+  for (std::size_t k = 0; k < places.points; ++k)
+    if (is_own_place(k)) own.add(places.r[k]);
   for (std::size_t k = 0; k < places.r.size(); ++k)
-    if (holds(places.r[k])) near.push_back(k);
+    if (!is_own_place(k) && own.is_near(places.r[k], reach)) near.push_back(k), others.add(places.r[k]);
+  for (std::size_t k = 0; k < places.points; ++k)
+    if (is_own_place(k) && others.is_near(places.r[k], reach)) near.push_back(k);
   return near;
 }
 
 }  // namespace
 
-std::vector<ImageOf> ghosts_of(const std::vector<ParticleId>& own, const Model& model, const State& state,
-                               double reach, bool all) {
+Places present_places(const State& state) {
+  Places all;
+  for (const ParticleId p : state.r.ids())
+    if (!is_absent(state, p)) all.of.push_back(p), all.r.push_back(state.r[p]);
+  return all;
+}
+
+std::vector<ImageOf> ghosts_of(const std::vector<ParticleId>& own, Places among, const Model& model,
+                               const State& state, double reach, bool all) {
   PerParticle<char> is_own(model.particles(), 0);
   for (const ParticleId p : own) is_own[p] = 1;
   std::vector<ImageOf> ghosts;
@@ -62,8 +67,8 @@ std::vector<ImageOf> ghosts_of(const std::vector<ParticleId>& own, const Model& 
     for (const ParticleId p : is_own.ids())
       if (!is_absent(state, p)) add(p, {});
   if (reach > 0.0) {
-    const NearImages places = places_of(model, state, reach);  // all ranks throw, or none
-    const std::vector<std::size_t> near = near_own(places, is_own, reach);
+    const NearImages places = with_images(std::move(among), model, state, reach);
+    const std::vector<std::size_t> near = near_border(places, is_own, reach);
     std::vector<Vec3d> r;
     for (const std::size_t k : near) r.push_back(places.r[k]);
     // particles in the cell have all their neighbours there, or among the images around it

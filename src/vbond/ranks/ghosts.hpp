@@ -7,10 +7,19 @@
 
 namespace vbond {
 
-/// What a rank with these particles must know beside them: the second ends of their bonds, and all particles
-/// and images within reach of them, or all particles besides. reach: 0: none.  [length]
+/// Particles and where they are.
+struct Places {
+  std::vector<ParticleId> of;
+  std::vector<Vec3d> r;
+};
+/// All that are present.
+Places present_places(const State& state);
+
+/// What a rank with these particles must know beside them: the second ends of their bonds, and of those in
+/// `among`, its own and all others that may be near, particles and images within reach of them, or all
+/// particles of the state besides. reach: 0: none.  [length]
 /// Each once, in order of particles and images.
-std::vector<ImageOf> ghosts_of(const std::vector<ParticleId>& own, const Model& model, const State& state,
-                               double reach, bool all);
+std::vector<ImageOf> ghosts_of(const std::vector<ParticleId>& own, Places among, const Model& model,
+                               const State& state, double reach, bool all);
 
 }  // namespace vbond

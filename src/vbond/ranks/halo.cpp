@@ -3,7 +3,6 @@
 #include <mpi.h>
 
 #include <algorithm>
-#include <type_traits>
 #include <utility>
 
 namespace vbond {
@@ -26,71 +25,19 @@ Quatd take_quaternion(const double*& from) {
   return {from[-4], from[-3], from[-2], from[-1]};
 }
 
-/// What each rank has for this one, from what this one has for each.
-template <class T>
-std::vector<std::vector<T>> all_to_all(const std::vector<std::vector<T>>& mine) {
-  static_assert(std::is_trivially_copyable_v<T>);
-  const std::size_t ranks = mine.size();
-  std::vector<int> out(ranks), in(ranks), out_first(ranks), in_first(ranks);
-  std::vector<T> sent, received;
-  for (std::size_t k = 0; k < ranks; ++k) {
-    out[k] = static_cast<int>(mine[k].size() * sizeof(T));
-    out_first[k] = static_cast<int>(sent.size() * sizeof(T));
-    sent.insert(sent.end(), mine[k].begin(), mine[k].end());
-  }
-  MPI_Alltoall(out.data(), 1, MPI_INT, in.data(), 1, MPI_INT, MPI_COMM_WORLD);
-  for (std::size_t k = 1; k < ranks; ++k) in_first[k] = in_first[k - 1] + in[k - 1];
-  received.resize(static_cast<std::size_t>(in_first.back() + in.back()) / sizeof(T));
-  MPI_Alltoallv(sent.data(), out.data(), out_first.data(), MPI_BYTE, received.data(), in.data(),
-                in_first.data(), MPI_BYTE, MPI_COMM_WORLD);
-  std::vector<std::vector<T>> of_ranks(ranks);
-  auto next = received.begin();
-  for (std::size_t k = 0; k < ranks; ++k) {
-    const auto last = next + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(in[k]) / sizeof(T));
-    of_ranks[k].assign(next, last);
-    next = last;
-  }
-  return of_ranks;
-}
-
-/// Calls visit(ghost, rank) with the rank that has its particle, for all ghosts. No rank knows this of all
-/// particles: each keeps a list of a share of their numbers, in which the others look up what they need.
-template <class Visit>
-void with_owners(const std::vector<ParticleId>& own, const std::vector<ImageOf>& ghosts,
-                 std::size_t particles, std::size_t ranks, Visit visit) {
-  const std::size_t share = std::max<std::size_t>(1, (particles + ranks - 1) / ranks);
-  const auto keeper = [share](ParticleId p) { return p.value / share; };
-  std::vector<std::vector<ParticleId>> has(ranks), asks(ranks);
-  for (const ParticleId p : own) has[keeper(p)].push_back(p);
-  for (const ImageOf& ghost : ghosts) asks[keeper(ghost.particle)].push_back(ghost.particle);
-  std::vector<int> owner(share, 0);
-  const std::vector<std::vector<ParticleId>> told = all_to_all(has), asked = all_to_all(asks);
-  for (std::size_t rank = 0; rank < ranks; ++rank)
-    for (const ParticleId p : told[rank]) owner[p.value % share] = static_cast<int>(rank);
-  std::vector<std::vector<int>> answers(ranks);
-  for (std::size_t rank = 0; rank < ranks; ++rank)
-    for (const ParticleId p : asked[rank]) answers[rank].push_back(owner[p.value % share]);
-  answers = all_to_all(answers);
-  std::vector<std::size_t> next(ranks, 0);
-  for (const ImageOf& ghost : ghosts) {
-    const std::size_t at = keeper(ghost.particle);
-    visit(ghost, static_cast<std::size_t>(answers[at][next[at]++]));
-  }
-}
-
 }  // namespace
 
-Halo::Halo(const std::vector<ParticleId>& own, const std::vector<ImageOf>& ghosts, std::size_t particles,
-           const Exchange& ranks)
+Halo::Halo(const std::vector<ImageOf>& ghosts, const std::vector<int>& owners, const Communicator& ranks)
     : rank_(ranks.rank()) {
   const auto size = static_cast<std::size_t>(ranks.ranks());
   std::vector<std::vector<ImageOf>> from(size);
   std::vector<std::vector<ParticleId>> asked_for(size);
-  with_owners(own, ghosts, particles, size, [&](const ImageOf& ghost, std::size_t rank) {
-    from[rank].push_back(ghost);
-    asked_for[rank].push_back(ghost.particle);
-  });
-  std::vector<std::vector<ParticleId>> asked_by = all_to_all(asked_for);
+  for (std::size_t k = 0; k < ghosts.size(); ++k) {
+    const auto rank = static_cast<std::size_t>(owners[k]);
+    from[rank].push_back(ghosts[k]);
+    asked_for[rank].push_back(ghosts[k].particle);
+  }
+  std::vector<std::vector<ParticleId>> asked_by = ranks.swap(asked_for);
   for (std::size_t k = 0; k < size; ++k)
     if (!from[k].empty() || !asked_by[k].empty())
       neighbours_.push_back(

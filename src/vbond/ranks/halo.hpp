@@ -14,10 +14,8 @@ namespace vbond {
 class Halo {
  public:
   Halo() = default;
-  /// own: the particles of this rank; ghosts: particles of other ranks, and images of any. Together the ranks
-  /// have all particles but those that are dropped.
-  Halo(const std::vector<ParticleId>& own, const std::vector<ImageOf>& ghosts, std::size_t particles,
-       const Exchange& ranks);
+  /// ghosts: particles of other ranks, and images of any; owners: the ranks that have their particles.
+  Halo(const std::vector<ImageOf>& ghosts, const std::vector<int>& owners, const Communicator& ranks);
 
   /// Which of its own are ghosts somewhere.
   std::vector<ParticleId> sent() const;

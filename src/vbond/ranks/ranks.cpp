@@ -15,6 +15,8 @@
 
 #include "vbond/core/error.hpp"
 #include "vbond/core/images.hpp"
+#include "vbond/dynamics/borders.hpp"
+#include "vbond/dynamics/migration.hpp"
 #include "vbond/dynamics/simulation.hpp"
 #include "vbond/ranks/ghosts.hpp"
 
@@ -34,6 +36,9 @@ constexpr double margin = 0.5;
 /// LAMMPS' box is wider than the body by 1e-4 of its first size: a particle that has gone so many times the
 /// length that bonds or contacts reach would be lost by rounding.
 constexpr double farthest_found = 1e6;
+
+constexpr const char* too_large =
+    "the body is too large: MPI counts at most 2 GiB in one message; use vbond, which sends none";
 
 /// Of the bonds that are not broken.
 double longest_bond(const State& state) {
@@ -58,9 +63,15 @@ const PerParticle<Vec3d>& straightened(const Model& model, const State& state, P
 
 /// What each particle costs in a step by itself.
 PerParticle<double> work_of_particles(const Model& model, const State& state) {
-  PerParticle<double> work(model.particles(), static_cast<double>(work_of_particle(model)));
+  auto work = PerParticle<double>::alike(state.r, static_cast<double>(work_of_particle(model)));
   for (const ParticleId p : absent(state)) work[p] = 1e-6;  // LAMMPS wants some of each atom
   return work;
+}
+
+std::vector<ParticleId> present_of(const Domains& domains, const State& state) {
+  std::vector<ParticleId> own = domains.own();
+  std::erase_if(own, [&state](ParticleId p) { return is_absent(state, p); });
+  return own;
 }
 
 /// The same with its bonds.
@@ -152,20 +163,72 @@ Share Ranks::spread(const Model& model, const State& state, double reach, bool k
     reach_ = reach, knows_all_ = knows_all;
     make_domains(model, state, work_of(model, state), longest_bond(state));
   }
+  own_ = present_of(*domains_, state);
   return share_of(model, state);
 }
 
-Share Ranks::spread_anew(const Model& model, const State& state) {
-  const Waiting waiting(*this);
+/// Those that it had before.
+std::vector<ParticleId> Ranks::redistribute(const Model& model, const State& state) {
   PerParticle<Vec3d> room;
   domains_->redistribute(straightened(model, state, room), work_of(model, state));
-  const std::vector<ParticleId> before = own_;
-  Share share = share_of(model, state);
+  std::vector<ParticleId> before = std::exchange(own_, present_of(*domains_, state));
   std::int64_t come = 0;
   for (const ParticleId p : own_) come += !std::binary_search(before.begin(), before.end(), p);
   MPI_Allreduce(MPI_IN_PLACE, &come, 1, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
   migrations_ += come;
   ++redistributions_;
+  return before;
+}
+
+Share Ranks::spread_anew(const Model& model, const State& state) {
+  const Waiting waiting(*this);
+  redistribute(model, state);
+  return share_of(model, state);
+}
+
+/// The ranks that have these particles. Of those across borders it is known; where any rank has others, they
+/// are looked up.
+std::vector<int> Ranks::owners_among(std::vector<PlacedParticle> across,
+                                     const std::vector<ParticleId>& others, std::size_t particles) const {
+  const auto is_before = [](const PlacedParticle& a, ParticleId p) { return a.particle < p; };
+  std::sort(across.begin(), across.end(),
+            [](const PlacedParticle& a, const PlacedParticle& b) { return a.particle < b.particle; });
+  std::vector<int> owners;
+  std::vector<ParticleId> elsewhere;
+  for (const ParticleId p : others) {
+    const auto at = std::lower_bound(across.begin(), across.end(), p, is_before);
+    const bool is_across = at != across.end() && at->particle == p;
+    owners.push_back(is_across ? at->part : -1);
+    if (!is_across) elsewhere.push_back(p);
+  }
+  if (!any(!elsewhere.empty())) return owners;
+  const std::vector<int> found = owners_of(elsewhere, own_, particles, *this);
+  auto next = found.begin();
+  for (int& owner : owners)
+    if (owner < 0) owner = *next++;
+  return owners;
+}
+
+Share Ranks::migrate(Model& model, State& state, PartHandedOver part) {
+  const Waiting waiting(*this);
+  const std::vector<ParticleId> before = redistribute(model, state);
+  vbond::migrate(before, own_, model, state, part, *this);
+  Places among;
+  for (const ParticleId p : own_) among.of.push_back(p), among.r.push_back(state.r[p]);
+  std::vector<PlacedParticle> across = particles_across_borders(model, state, own_, ghost_reach(), *this);
+  for (const PlacedParticle& p : across) among.of.push_back(p.particle), among.r.push_back(p.r);
+  std::vector<ImageOf> ghosts = ghosts_of(own_, std::move(among), model, state, ghost_reach(), false);
+  const std::vector<ParticleId> others = others_to_know(own_, ghosts, state);
+  const std::vector<int> owners = owners_among(std::move(across), others, model.particles());
+  know_besides(others, owners, own_, model, state, *this);
+  std::vector<int> owners_of_ghosts;
+  for (const ImageOf& g : ghosts) {
+    const auto at = std::lower_bound(others.begin(), others.end(), g.particle);
+    const bool is_other = at != others.end() && *at == g.particle;
+    owners_of_ghosts.push_back(is_other ? owners[static_cast<std::size_t>(at - others.begin())] : rank_);
+  }
+  Share share = share_with(std::move(ghosts), owners_of_ghosts, model);
+  share.part = std::move(part);
   return share;
 }
 
@@ -189,11 +252,17 @@ double Ranks::size_of_domains(const State& state, double longest) const {
 /// Particles are to be spread anew where ghosts may be missing of what may meet; else they stay where they
 /// are however far they move.
 Share Ranks::share_of(const Model& model, const State& state) {
-  own_ = domains_->own();
-  std::erase_if(own_, [&state](ParticleId p) { return is_absent(state, p); });
   const double reach = are_spread_anew(model) ? ghost_reach() : 0.0;
-  std::vector<ImageOf> ghosts = ghosts_of(own_, model, state, reach, knows_all_);
-  halo_ = Halo(own_, ghosts, model.particles(), *this);
+  std::vector<ImageOf> ghosts =
+      ghosts_of(own_, reach > 0.0 ? present_places(state) : Places{}, model, state, reach, knows_all_);
+  std::vector<ParticleId> particles;
+  for (const ImageOf& g : ghosts) particles.push_back(g.particle);
+  const std::vector<int> owners = owners_of(particles, own_, model.particles(), *this);
+  return share_with(std::move(ghosts), owners, model);
+}
+
+Share Ranks::share_with(std::vector<ImageOf> ghosts, const std::vector<int>& owners, const Model& model) {
+  halo_ = Halo(ghosts, owners, *this);
   std::vector<ParticleId> known = own_;
   for (const ImageOf& g : ghosts) known.push_back(g.particle);
   Share share{
@@ -202,7 +271,7 @@ Share Ranks::share_of(const Model& model, const State& state) {
           {.own = own_, .sent = halo_.sent(), .ghosts = std::move(ghosts), .others_in_one_row = !knows_all_}),
       std::numeric_limits<double>::infinity(), lost_beyond_};
   halo_.take_rows(share.order);
-  if (reach > 0.0)
+  if (are_spread_anew(model))
     share.farthest = 0.5 * margin * reach_;
   else
     domains_.reset();  // LAMMPS makes room
@@ -243,8 +312,7 @@ Ranks::Counts Ranks::counts(std::size_t mine) const {
   const auto bytes = static_cast<std::int64_t>(mine);
   MPI_Allgather(&bytes, 1, MPI_INT64_T, of_all.data(), 1, MPI_INT64_T, MPI_COMM_WORLD);
   if (std::accumulate(of_all.begin(), of_all.end(), std::int64_t{0}) > std::numeric_limits<int>::max())
-    throw std::runtime_error(
-        "the body is too large: MPI counts at most 2 GiB in one message; use vbond, which sends none");
+    throw std::runtime_error(too_large);
   Counts counts;
   for (const std::int64_t n : of_all) {
     counts.of_rank.push_back(static_cast<int>(n));
@@ -259,6 +327,30 @@ void Ranks::gather_bytes(std::span<const std::byte> mine, const Room& room) cons
   const Counts n = counts(mine.size());
   MPI_Allgatherv(mine.data(), static_cast<int>(mine.size()), MPI_BYTE, room(n.all), n.of_rank.data(),
                  n.first.data(), MPI_BYTE, MPI_COMM_WORLD);
+}
+
+std::vector<std::size_t> Ranks::swap_bytes(std::span<const std::byte> mine,
+                                           const std::vector<std::size_t>& sizes, const Room& room) const {
+  const Waiting waiting(*this);
+  const auto in_ints = [](const std::vector<std::size_t>& n) {
+    if (std::accumulate(n.begin(), n.end(), std::size_t{0}) > std::numeric_limits<int>::max())
+      throw std::runtime_error(too_large);
+    return std::vector<int>(n.begin(), n.end());
+  };
+  const auto first = [](const std::vector<int>& n) {
+    std::vector<int> places(n.size(), 0);
+    std::partial_sum(n.begin(), n.end() - 1, places.begin() + 1);
+    return places;
+  };
+  std::vector<std::size_t> come(sizes.size());
+  MPI_Alltoall(sizes.data(), sizeof(std::size_t), MPI_BYTE, come.data(), sizeof(std::size_t), MPI_BYTE,
+               MPI_COMM_WORLD);
+  const std::vector<int> out = in_ints(sizes), in = in_ints(come);
+  const std::vector<int> out_first = first(out), in_first = first(in);
+  MPI_Alltoallv(mine.data(), out.data(), out_first.data(), MPI_BYTE,
+                room(std::accumulate(come.begin(), come.end(), std::size_t{0})), in.data(), in_first.data(),
+                MPI_BYTE, MPI_COMM_WORLD);
+  return come;
 }
 
 void Ranks::send_bytes_to_leader(std::span<const std::byte> mine, const Room& room) const {

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "vbond/dynamics/borders.hpp"
 #include "vbond/dynamics/partition.hpp"
 #include "vbond/ranks/domains.hpp"
 #include "vbond/ranks/halo.hpp"
@@ -44,11 +45,14 @@ class Ranks : public Partition {
                                        const PerParticle<std::uint32_t>& bonds, double longest) override;
   Share spread(const Model& model, const State& state, double reach, bool knows_all) override;
   Share spread_anew(const Model& model, const State& state) override;
+  Share migrate(Model& model, State& state, PartHandedOver part) override;
 
   void halo(const HaloColumns& columns) override;
   void reverse_sum(std::span<LoadRow> load) override;
   void sum(std::span<double> numbers) const override;
   void max(std::span<double> numbers) const override;
+  std::vector<std::size_t> swap_bytes(std::span<const std::byte> mine, const std::vector<std::size_t>& sizes,
+                                      const Room& room) const override;
   void gather_bytes(std::span<const std::byte> mine, const Room& room) const override;
   void send_bytes_to_leader(std::span<const std::byte> mine, const Room& room) const override;
   void together(const std::function<void()>& work) const override;
@@ -58,7 +62,11 @@ class Ranks : public Partition {
   struct Counts;
   Counts counts(std::size_t mine) const;
   std::string text_of_rank(int rank, std::string text) const;
+  std::vector<ParticleId> redistribute(const Model& model, const State& state);
+  std::vector<int> owners_among(std::vector<PlacedParticle> across, const std::vector<ParticleId>& others,
+                                std::size_t particles) const;
   Share share_of(const Model& model, const State& state);
+  Share share_with(std::vector<ImageOf> ghosts, const std::vector<int>& owners, const Model& model);
   void make_domains(const Model& model, const State& state, const PerParticle<double>& work, double longest);
   double ghost_reach() const;
   bool are_spread_anew(const Model& model) const;

@@ -180,13 +180,14 @@ void Run::take_part() {
 /// are due have come in at once, so that the loop is set up anew once for all of them.
 void Run::set_up_anew() {
   const auto begun = std::chrono::steady_clock::now();
-  Handover next = std::move(*simulation_).handover();
+  Handover next = std::move(*simulation_).handover_of_part();
   const std::unique_ptr<Simulation> before = std::exchange(simulation_, {});
   if (partition_ == nullptr) {
     state_ = std::move(next.state);
     simulation_ = std::make_unique<Simulation>(model_, std::get<Stage>(*stage_), &state_, threads_);
   } else {
-    Share share = partition_->spread_anew(model_, next.state);
+    Share share = next.part ? partition_->migrate(model_, next.state, *std::move(next.part))
+                            : partition_->spread_anew(model_, next.state);
     simulation_ = part_of(std::move(next.state), std::move(share));
   }
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begun;
