@@ -29,8 +29,15 @@ VBOND_HD void add_powers(const L& law, const BondPose<Real>& b, const BondAxis<R
     Halves by_channel = {taken.axial, taken.shear, taken.bending, taken.torsion};
     const Halves nothing = {zero, zero, zero, zero};
     transpose_halves(by_channel);
-    for (std::size_t k = 0; k < lanes; ++k)
-      if (in_use.has(l + k)) add_row(by_channel, nothing, k, sum.of);
+    Real all[8 / lanes];  // not in place: see add_active()
+    for (std::size_t part = 0; part < 8 / lanes; ++part) all[part] = Real::load(sum.of + part * lanes);
+    for (std::size_t k = 0; k < lanes; ++k) {
+      if (!in_use.has(l + k)) continue;
+      Real row[8 / lanes];
+      whole_row(by_channel, nothing, k, row);
+      for (std::size_t part = 0; part < 8 / lanes; ++part) all[part] = all[part] + row[part];
+    }
+    for (std::size_t part = 0; part < 8 / lanes; ++part) all[part].store(sum.of + part * lanes);
   } else {
     add_active(power_taken(damping, rates), in_use, l, sum.of[4]);
   }

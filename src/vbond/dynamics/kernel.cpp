@@ -13,7 +13,9 @@ namespace {
 
 // ---- particles --------------------------------------------------------------------------------------
 
-double kick(RowRange rows, double h, const InverseInertia* inverse, const LoadRow* load, MotionRow* motion) {
+template <bool keeps>
+VBOND_HD double kick_rows(RowRange rows, double h, const InverseInertia* inverse, const LoadRow* load,
+                          MotionRow* motion, MotionRow* before) {
   const Real step(h);
   Real sum[2][8 / lanes];  // of all loads: not finite if one of them is not
   for (auto& row : sum)
@@ -24,10 +26,18 @@ double kick(RowRange rows, double h, const InverseInertia* inverse, const LoadRo
         const Real F = Real::load(numbers(load + k + n) + part);
         double* v = numbers(motion + k + n) + part;
         const Real per_inertia = halves_of(inverse[k + n].per_m, inverse[k + n].per_Theta, part);
-        (Real::load(v) + step * per_inertia * F).store(v);
+        const Real v_before = Real::load(v);
+        if constexpr (keeps) v_before.store(numbers(before + k + n) + part);
+        (v_before + step * per_inertia * F).store(v);
         sum[n][part / lanes] = sum[n][part / lanes] + F;
       }
   return 0.0 * (sum_of_row(sum[0]) + sum_of_row(sum[1]));
+}
+
+double kick(RowRange rows, double h, const InverseInertia* inverse, const LoadRow* load, MotionRow* motion,
+            MotionRow* before) {
+  return before == nullptr ? kick_rows<false>(rows, h, inverse, load, motion, before)
+                           : kick_rows<true>(rows, h, inverse, load, motion, before);
 }
 
 /// The largest square of each component of v and omega in these rows. A NaN counts as a small number: it
@@ -102,14 +112,20 @@ double slow_down(RowRange rows, const Decay* decay, MotionRow* motion) {
 }
 
 double twice_power(RowRange rows, const LoadRow* load, const MotionRow* before, const MotionRow* after) {
-  Real sum[8 / lanes];
-  for (Real& x : sum) x = Real(0.0);
-  for (std::size_t k = rows.first; k < rows.last; ++k)
-    for (std::size_t part = 0; part < 8; part += lanes)
-      sum[part / lanes] =
-          sum[part / lanes] + Real::load(numbers(load + k) + part) * (Real::load(numbers(before + k) + part) +
-                                                                      Real::load(numbers(after + k) + part));
-  return sum_of_row(sum);
+  constexpr std::size_t sums = 4;  // side by side, so that no addition waits for the one before
+  Real sum[sums][8 / lanes];
+  for (auto& row : sum)
+    for (Real& x : row) x = Real(0.0);
+  for (std::size_t k = rows.first; k < rows.last; k += sums)
+    for (std::size_t n = 0; n < sums; ++n)
+      for (std::size_t part = 0; part < 8; part += lanes) {
+        const Real twice_v =
+            Real::load(numbers(before + k + n) + part) + Real::load(numbers(after + k + n) + part);
+        sum[n][part / lanes] = sum[n][part / lanes] + Real::load(numbers(load + k + n) + part) * twice_v;
+      }
+  for (std::size_t n = 1; n < sums; ++n)
+    for (std::size_t part = 0; part < 8 / lanes; ++part) sum[0][part] = sum[0][part] + sum[n][part];
+  return sum_of_row(sum[0]);
 }
 
 void add_rows(RowRange rows, const LoadRow* from, LoadRow* to) {

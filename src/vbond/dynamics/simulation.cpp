@@ -130,8 +130,8 @@ void Simulation::begin_step(const Block& b) {
   if (more && damping_.is_drag())
     lose(b.index, Loss::drag, slow_down(b, cell_.L_start()));  // v, omega over dt / 2
   books.work_supports += supports_.hold(b, Instant::start);
-  if (more && !bodies_.damping.empty()) keep_rates(b.rows);
-  kick(b, dt / 2);  // v, omega : t -> t + dt/2
+  const bool damps = more && !bodies_.damping.empty();
+  kick(b, dt / 2, damps ? bodies_.rates.data() : nullptr);  // v, omega : t -> t + dt/2
   books.work_supports += supports_.hold_after_kick(b, Instant::start, Instant::middle, dt / 2);
   if (more && inelastic()) {
     book_damping(b, dt / 2, cell_.L_start());
@@ -177,9 +177,9 @@ RowsAhead Simulation::rows_of(const Block& b) const {
   return {&bodies_.pose[k], &bodies_.motion[k], &bodies_.load[k], b.rows.last - k};
 }
 
-void Simulation::kick(const Block& b, double h) {
+void Simulation::kick(const Block& b, double h, MotionRow* before) {
   books_[b.index].poison +=
-      kernel_.kick(b.rows, h, bodies_.inverse.data(), bodies_.load.data(), bodies_.motion.data());
+      kernel_.kick(b.rows, h, bodies_.inverse.data(), bodies_.load.data(), bodies_.motion.data(), before);
   if (bodies_.tops.any()) bodies_.tops.kick(b.rows, h, bodies_.load, bodies_.turning());
 }
 

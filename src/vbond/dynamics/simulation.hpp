@@ -192,7 +192,7 @@ class Simulation final : public BodyView, private MotionHost {
   void begin_step(const Block& block);
   void end_step(const Block& block);
   RowsAhead rows_of(const Block& block) const;
-  void kick(const Block& block, double h);
+  void kick(const Block& block, double h, MotionRow* before = nullptr);
   double drift(const Block& block, double h);
   void clear_loads(const Block& block);
   BondSweep bond_sweep(Instant at);
