@@ -1,7 +1,11 @@
 #pragma once
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <limits>
+#include <string>
 #include <thread>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -18,6 +22,14 @@ using testing::ImageRow;
 using testing::Meeting;
 using testing::Process;
 using testing::Specimen;
+
+/// Tests of bars whose particles touch or not, and that are periodic or not.
+using OfBars = ::testing::TestWithParam<std::tuple<bool, bool>>;
+inline const auto kinds_of_bars = ::testing::Combine(::testing::Bool(), ::testing::Bool());
+inline std::string name_of_kind(const ::testing::TestParamInfo<std::tuple<bool, bool>>& kind) {
+  return std::string(std::get<0>(kind.param) ? "Touching" : "Bonded") +
+         (std::get<1>(kind.param) ? "Periodic" : "");
+}
 
 /// A bar of particles on a floor, bonded at random to neighbours by bonds that yield, each somewhat out of
 /// its place, some far; one was taken out. Some bonds are broken, have turned frames or expand with heat.

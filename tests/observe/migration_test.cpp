@@ -47,6 +47,16 @@ void expect_the_same(const State& part, const Model& of_part, const State& whole
   }
 }
 
+/// What parts tell each other of bonds of which they know an end, and what one found that had all of them.
+void expect_the_same(const std::vector<BondEnds>& told, const std::vector<BondEnds>& found) {
+  ASSERT_EQ(told.size(), found.size());
+  for (std::size_t k = 0; k < told.size(); ++k) {
+    const BondEnds &a = told[k], &b = found[k];
+    EXPECT_TRUE(a.name == b.name && a.i == b.i && a.j == b.j && a.image_j == b.image_j &&
+                a.cracked == b.cracked);
+  }
+}
+
 /// How many bonds, and rows of lists, it has.
 std::size_t expect_all_of_the_own(const State& part, const PartBonds& bonds, const State& whole,
                                   const Spread& spread, std::size_t k, bool leads) {
@@ -79,12 +89,8 @@ std::size_t expect_all_of_the_own(const State& part, const PartBonds& bonds, con
   return n + pairs.size() + touches.size();
 }
 
-class Migration : public ::testing::TestWithParam<std::tuple<bool, bool>> {};
-INSTANTIATE_TEST_SUITE_P(, Migration, ::testing::Combine(::testing::Bool(), ::testing::Bool()),
-                         [](const auto& p) {
-                           return std::string(std::get<0>(p.param) ? "Touching" : "Bonded") +
-                                  (std::get<1>(p.param) ? "Periodic" : "");
-                         });
+class Migration : public OfBars {};
+INSTANTIATE_TEST_SUITE_P(, Migration, kinds_of_bars, name_of_kind);
 
 TEST_P(Migration, BringsAllThatBelongsToAParticle) {
   const auto [touches, periodic] = GetParam();
@@ -105,12 +111,15 @@ TEST_P(Migration, BringsAllThatBelongsToAParticle) {
       std::vector<ParticleId> before;
       for (const ParticleId p : mine.r.ids())
         if (share.order.has(p)) before.push_back(p);
+      const Order order = share.order;
       Model model = s.model;
       share.model = &model;
       Simulation part(model, testing::plain_stage(0.02, 1e9), &mine, std::move(share), process);
       const State whole = part.state();
       Handover next = std::move(part).handover_of_part();
       ASSERT_TRUE(next.part);
+      expect_the_same(ends_of_others(next.part->bonds.names, next.state, order, process),
+                      next.part->bonds.others);
       for (const Spread* to : {&spread, &again}) {
         const std::vector<ParticleId>& own = to->own[k];
         migrate(before, own, model, next.state, *next.part, process);

@@ -83,12 +83,8 @@ double number_in(const Cell& cell) {
   return -1.0;  // no number in it
 }
 
-class Parts : public ::testing::TestWithParam<std::tuple<bool, bool>> {};
-INSTANTIATE_TEST_SUITE_P(, Parts, ::testing::Combine(::testing::Bool(), ::testing::Bool()),
-                         [](const auto& p) {
-                           return std::string(std::get<0>(p.param) ? "Touching" : "Bonded") +
-                                  (std::get<1>(p.param) ? "Periodic" : "");
-                         });
+class Parts : public OfBars {};
+INSTANTIATE_TEST_SUITE_P(, Parts, kinds_of_bars, name_of_kind);
 
 TEST_P(Parts, AddUpToWhatOneProcessSeesAndCollectNothing) {
   const auto [touches, periodic] = GetParam();

@@ -160,15 +160,17 @@ void know_besides(const std::vector<ParticleId>& others, const std::vector<int>&
 
 std::vector<ParticleId> others_to_know(const std::vector<ParticleId>& own, const std::vector<ImageOf>& ghosts,
                                        const State& state) {
+  const IdSet<ParticleId> is_own(state.r.size(), own);
   std::vector<ParticleId> others;
-  for (const ImageOf& g : ghosts) others.push_back(g.particle);
-  for (const Bond& b : state.bonds) others.push_back(b.i), others.push_back(b.j);
-  for (const Carried& c : state.carried) others.push_back(c.particle);
+  const auto add = [&](ParticleId p) {
+    if (!is_own.has(p)) others.push_back(p);
+  };
+  for (const ImageOf& g : ghosts) add(g.particle);
+  for (const Bond& b : state.bonds) add(b.i), add(b.j);
+  for (const Carried& c : state.carried) add(c.particle);
   std::sort(others.begin(), others.end());
   others.erase(std::unique(others.begin(), others.end()), others.end());
-  std::erase_if(others, [&](ParticleId p) {
-    return is_absent(state, p) || std::binary_search(own.begin(), own.end(), p);
-  });
+  std::erase_if(others, [&state](ParticleId p) { return is_absent(state, p); });
   return others;
 }
 
