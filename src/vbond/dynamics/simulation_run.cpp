@@ -68,7 +68,8 @@ bool Simulation::meet(bool interrupted) {
   fold_brought_in();
   const Ways ways = ways_since_begin();
   room_ = farthest_ - approach(ways);
-  has_outgrown_ = room_ < 0.0 && ways.farthest < lost_beyond_;
+  const bool is_far = ways.farthest > 0.5 * lost_beyond_;  // all may have gone there together
+  has_outgrown_ = (room_ < 0.0 || is_far) && ways.farthest < lost_beyond_;
   return exchange_.leader_says(interrupted);
 }
 
