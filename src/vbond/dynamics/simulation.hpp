@@ -173,6 +173,8 @@ class Simulation final : public BodyView, private MotionHost {
   Contacts::Touch touch_of_unbonded(const BondEnds& bond);
   void leave_faces(BondId bond, const BondPose<double>& pose, Broken& broken);
   void take_out(const Broken& broken);
+  void read_memories();
+  bool brings_all_loads() const;
   void take_up_loads();
   bool has_only_elastic_bonds() const;
   void begin_step();

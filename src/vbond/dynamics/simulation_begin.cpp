@@ -127,9 +127,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
     breaking_.resize(all_known().parts().size());
     bonds_changed();
     contacts_.refresh(bodies_.poses(), all_known());
-    contacts_.restore(state_.contact_history);
-    capsules_.restore(state_.fibre_history);
-    for (MotionTerm* t : terms_.all()) t->read(state_);
+    read_memories();
     supports_.grips().read(state_, begun);
     state_.clock.dt = stage_.dt;
     next_visit_ = next_visit(stage_, state_.clock.stage_step);

@@ -97,20 +97,46 @@ void Simulation::make_bonds() {
   booked_.lose(Loss::bonding, U - contact_energy());
 }
 
+/// What contacts and terms remember of the steps before.
+void Simulation::read_memories() {
+  contacts_.restore(state_.contact_history);
+  capsules_.restore(state_.fibre_history);
+  for (MotionTerm* t : terms_.all()) t->read(state_);
+}
+
+/// Whether the state brings along all that evaluate_loads() would leave, in all parts alike. It has no loads
+/// of who has just come in. A cell feels images, capsules keep what they do to each other, and pressures what
+/// they do to particles.
+bool Simulation::brings_all_loads() const {
+  if (cell_.any() || capsules_.any() || !stage_.pressures.empty()) return false;
+  bool all = true;
+  const auto look_at = [this, &all](const Loads& l) {
+    all = all && l.F.size() == model_.particles();
+    for (Row k{0}; all && k.value < bodies_.order.own; ++k.value)
+      all = is_finite(l.F[bodies_.order.particle[k]]);
+  };
+  look_at(state_.loads);
+  if (!bodies_.damping.empty()) look_at(state_.damping);
+  if (!bodies_.local_damping.empty()) look_at(state_.local_damping);
+  return !exchange_.any(!all);
+}
+
 /// Takes up the loads that the state brings along; for elastic bonds they follow from positions.
 void Simulation::take_up_loads() {
-  const CellEdges cell = state_.cell;  // with what damping did to images in the half step before
-  evaluate_loads();
-  state_.cell = cell;
-  if (cell_.any()) cell_.look_at_drift(team_);
+  if (brings_all_loads()) {
+    if (inelastic()) bodies_.rates = bodies_.motion;
+  } else {
+    const CellEdges cell = state_.cell;  // with what damping did to images in the half step before
+    evaluate_loads();
+    state_.cell = cell;
+    if (cell_.any()) cell_.look_at_drift(team_);
+    read_memories();  // with what damped in the half step before
+  }
   if (state_.loads.F.size() == model_.particles()) bodies_.spread(state_.loads, bodies_.load);
   if (state_.damping.F.size() == model_.particles() && !bodies_.damping.empty())
     bodies_.spread(state_.damping, bodies_.damping);
   if (state_.local_damping.F.size() == model_.particles() && !bodies_.local_damping.empty())
     bodies_.spread(state_.local_damping, bodies_.local_damping);
-  contacts_.restore(state_.contact_history);  // with what damped in the half step before
-  capsules_.restore(state_.fibre_history);
-  for (MotionTerm* t : terms_.all()) t->read(state_);
   for (MotionTerm* t : terms_.touching()) t->particles_moved(0.0, std::numeric_limits<double>::infinity());
   check_finite();
 }
