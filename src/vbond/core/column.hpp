@@ -102,13 +102,17 @@ class Column {
     now.some_ = std::move(some);
     const std::size_t whole = size();
     now.values_.resize(now.some_ ? now.some_->size() : whole);
-    const auto take = [&](IdType id) {
-      if (holds(id)) now[id] = std::move((*this)[id]);
-    };
-    if (now.some_)
-      now.some_->for_each(take);
+    const auto take = [&](std::size_t from, std::size_t to) { now.values_[to] = std::move(values_[from]); };
+    std::size_t k = 0;
+    if (now.some_ && some_)
+      some_->for_each_common(*now.some_, take);
+    else if (now.some_)
+      now.some_->for_each([&](IdType id) {
+        if (holds(id)) take(id.value, k);
+        ++k;
+      });
     else
-      some_->for_each(take);
+      some_->for_each([&](IdType id) { take(k++, id.value); });
     *this = std::move(now);
   }
   const Some& held() const requires may_hold_some<IdType> { return some_; }

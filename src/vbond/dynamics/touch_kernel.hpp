@@ -33,12 +33,14 @@ struct alignas(64) SlipRow {
   double a = 0;
   Vec3d F_d;
   double k_r = 0;
+  friend bool operator==(const SlipRow&, const SlipRow&) = default;
 };
 
 /// Moments against rolling, and against twisting about the normal, on the first.  [force*length]
 struct alignas(32) MomentRow {
   Vec3d M_r;
   double M_t = 0;
+  friend bool operator==(const MomentRow&, const MomentRow&) = default;
 };
 
 /// What particles do that touch.

@@ -211,6 +211,11 @@ void TouchPairs::add_loads(RowRange rows, LoadRow* load) {
                       load);
 }
 
+bool TouchPairs::remembers(std::size_t pair) const {
+  return slip_[pair] != SlipRow{} || (rolls() && rolling_[pair] != MomentRow{}) ||
+         (keeps_overlap_ && kept_[pair] != 0.0);
+}
+
 TouchHistory<double> TouchPairs::history(std::size_t pair) const {
   return touch_history(slip_[pair], rolls() ? rolling_[pair] : MomentRow{});
 }
@@ -259,8 +264,7 @@ std::vector<PairMemory> TouchPairs::collect() const {
   std::vector<Remembering> found;  // sorted without what they remember, which is much longer
   for (std::size_t i = 0; i < row_.size(); ++i)
     for (std::size_t k = start_[i]; k < start_[i + 1]; ++k) {
-      const bool remembers = numbers_of(history(k)) != PairHistory{} || (keeps_overlap_ && kept_[k] != 0.0);
-      if (!remembers) continue;
+      if (!remembers(k)) continue;
       const ParticleId p = order_.particle[Row{i}], o = order_.particle[second_[k]];
       const Image n = order_.image(second_[k]) - order_.image(Row{i});
       if (p < o || (p == o && n > Image{}))

@@ -68,6 +68,7 @@ class TouchPairs {
   std::size_t place(Row i, Row j) const;
   std::size_t pairs() const { return second_.size(); }
   bool rolls() const { return forms_.rolling != RollingForm::none; }
+  bool remembers(std::size_t pair) const;
   TouchHistory<double> history(std::size_t pair) const;
 
   const Order& order_;

@@ -7,6 +7,7 @@
 
 #include "vbond/core/bounding_box.hpp"
 #include "vbond/core/images.hpp"
+#include "vbond/core/near_pairs.hpp"
 
 namespace vbond {
 namespace {
@@ -26,21 +27,25 @@ NearImages with_images(Places among, const Model& model, const State& state, dou
   return places;
 }
 
+struct NearBorder {
+  std::vector<std::size_t> others, own;
+};
+
 /// Those of the places that are not a rank's own particles themselves and may be near one of these; and those
 /// of its own to which they may be near: ones in the box of the others, or within reach of it.
-std::vector<std::size_t> near_border(const NearImages& places, const PerParticle<char>& is_own,
-                                     double reach) {
+NearBorder near_border(const NearImages& places, const PerParticle<char>& is_own, double reach) {
   const auto is_own_place = [&](std::size_t k) {
     return k < places.points && is_own[ParticleId{places.of[k]}] != 0;
   };
   BoundingBox own, others;
-  std::vector<std::size_t> near;
+  NearBorder near;
   for (std::size_t k = 0; k < places.points; ++k)
     if (is_own_place(k)) own.add(places.r[k]);
   for (std::size_t k = 0; k < places.r.size(); ++k)
-    if (!is_own_place(k) && own.is_near(places.r[k], reach)) near.push_back(k), others.add(places.r[k]);
+    if (!is_own_place(k) && own.is_near(places.r[k], reach))
+      near.others.push_back(k), others.add(places.r[k]);
   for (std::size_t k = 0; k < places.points; ++k)
-    if (is_own_place(k) && others.is_near(places.r[k], reach)) near.push_back(k);
+    if (is_own_place(k) && others.is_near(places.r[k], reach)) near.own.push_back(k);
   return near;
 }
 
@@ -68,18 +73,22 @@ std::vector<ImageOf> ghosts_of(const std::vector<ParticleId>& own, Places among,
       if (!is_absent(state, p)) add(p, {});
   if (reach > 0.0) {
     const NearImages places = with_images(std::move(among), model, state, reach);
-    const std::vector<std::size_t> near = near_border(places, is_own, reach);
+    const NearBorder near = near_border(places, is_own, reach);
     std::vector<Vec3d> r;
-    for (const std::size_t k : near) r.push_back(places.r[k]);
+    for (const std::size_t k : near.own) r.push_back(places.r[k]);
+    CellGrid grid;
+    grid.sort(r, reach, {}, near.own);
     // particles in the cell have all their neighbours there, or among the images around it
-    const auto add_neighbour = [&](std::size_t of, std::size_t k) {
-      if (of < places.points && is_own[ParticleId{places.of[of]}] != 0)
-        add(ParticleId{places.of[k]}, places.image[k] - places.image[of]);
+    const auto add_where_near = [&](std::size_t k) {
+      grid.scan_near(places.r[k], [&](const CellGrid::Point* first, const CellGrid::Point* last) {
+        for (const CellGrid::Point* p = first; p != last; ++p)
+          if (norm2(between(places.r[k], p->r)) <= sq(reach))
+            add(ParticleId{places.of[k]}, places.image[k] - places.image[p->i]);
+      });
     };
-    for_near_pairs(r, reach, [&](std::size_t k, std::size_t l, double) {
-      add_neighbour(near[k], near[l]);
-      add_neighbour(near[l], near[k]);
-    });
+    for (const std::size_t k : near.others) add_where_near(k);
+    if (model.cell.any())
+      for (const std::size_t k : near.own) add_where_near(k);  // they may lie edges apart
   }
   std::sort(ghosts.begin(), ghosts.end());
   ghosts.erase(std::unique(ghosts.begin(), ghosts.end()), ghosts.end());
