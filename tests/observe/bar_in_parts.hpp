@@ -113,7 +113,7 @@ inline Share part_of_bar(const Specimen& s, State& state, std::size_t k, std::si
   for (Bond& b : state.bonds)
     if (known[b.i] == 0 && known[b.j] == 0) b.broken = true;
   constexpr double inf = std::numeric_limits<double>::infinity();
-  return {order, inf, inf, state.clock.stage_step == 0};
+  return {.order = order, .farthest = inf, .lost_beyond = inf, .begins = state.clock.stage_step == 0};
 }
 
 /// A bar that has moved, so that bonds and contacts remember something, as a run begins with it.

@@ -29,6 +29,12 @@ struct BoundingBox {
     };
     return near(low.x, r.x, high.x) && near(low.y, r.y, high.y) && near(low.z, r.z, high.z);
   }
+  /// The square of the distance of a point outside; 0 within. From a box of nothing: infinite.
+  double distance2(const Vec3d& r) const {
+    const auto outside = [](double x, double low, double high) { return std::max({low - x, 0.0, x - high}); };
+    return sq(outside(r.x, low.x, high.x)) + sq(outside(r.y, low.y, high.y)) +
+           sq(outside(r.z, low.z, high.z));
+  }
   double diagonal() const { return norm(high - low); }
 };
 

@@ -13,12 +13,6 @@ namespace {
 constexpr std::uint32_t leaf_size = 4;
 constexpr std::size_t deepest = 64;  // halves of fewer than 2^32 triangles
 
-double distance2(const Vec3d& r, const BoundingBox& b) {
-  const auto outside = [](double x, double low, double high) { return std::max({low - x, 0.0, x - high}); };
-  return sq(outside(r.x, b.low.x, b.high.x)) + sq(outside(r.y, b.low.y, b.high.y)) +
-         sq(outside(r.z, b.low.z, b.high.z));
-}
-
 BoundingBox box_of(const TriangleMesh& mesh, std::size_t k) {
   BoundingBox box;
   for (const std::uint32_t corner : mesh.triangles[k]) box.add(mesh.corners[corner]);
@@ -84,7 +78,7 @@ void TriangleTree::split(std::uint32_t first, std::uint32_t count, const std::ve
 }
 
 bool TriangleTree::may_be_near(const Vec3d& r, double reach) const {
-  return reach > 0.0 && distance2(r, box_) < sq(reach);
+  return reach > 0.0 && box_.distance2(r) < sq(reach);
 }
 
 void TriangleTree::near(const Vec3d& r, double reach, std::vector<std::uint32_t>& triangles) const {
@@ -96,13 +90,13 @@ void TriangleTree::near(const Vec3d& r, double reach, std::vector<std::uint32_t>
   while (count > 0) {
     const std::uint32_t at = waiting[--count];
     const Node& node = nodes_[at];
-    if (distance2(r, node.box) >= sq(reach)) continue;
+    if (node.box.distance2(r) >= sq(reach)) continue;
     if (node.second != 0) {
       waiting[count++] = node.second;
       waiting[count++] = at + 1;
     } else {
       for (std::uint32_t k = node.first; k < node.first + node.count; ++k)
-        if (distance2(r, boxes_[k]) < sq(reach)) triangles.push_back(order_[k]);
+        if (boxes_[k].distance2(r) < sq(reach)) triangles.push_back(order_[k]);
     }
   }
   std::sort(triangles.begin() + found, triangles.end());

@@ -70,7 +70,7 @@ std::array<Vec3d, 3> CellImages::edges_times_force(std::span<const LoadRow> load
 Share whole_body(const Model& model, const Stage& stage, const State& state) {
   Order order = spatial_order(model.r_0);
   constexpr double unlimited = std::numeric_limits<double>::infinity();
-  Share share{{}, unlimited, unlimited};
+  Share share{.order = {}, .farthest = unlimited, .lost_beyond = unlimited};
   if (!model.cell.any()) {
     share.order = any_absent(state) ? part_of(order, {not_absent(model, state), {}, {}}) : std::move(order);
     return share;

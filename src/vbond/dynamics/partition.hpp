@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "vbond/core/bounding_box.hpp"
 #include "vbond/dynamics/exchange.hpp"
 #include "vbond/dynamics/handover.hpp"
 #include "vbond/dynamics/order.hpp"
@@ -17,9 +18,12 @@ namespace vbond {
 /// What one process steps of a body that is spread over several, and how long it may do so.
 struct Share {
   Order order;
-  /// Once a particle has gone farther than this, particles are to be spread anew: ghosts may be missing of
-  /// what may meet, or domains are no longer compact.  [length]
+  /// Once two particles of different parts have come nearer to each other by twice as much, particles are to
+  /// be spread anew: ghosts may be missing of what may meet.  [length]
   double farthest = 0;
+  /// The boxes that the particles of other parts are in, one each, where no cell has images of them: whoever
+  /// is far from all of them may go farther.
+  std::vector<BoundingBox> others = {};
   /// Not once one has gone farther than this: it could not be found again. Such a body diverges.  [length]
   double lost_beyond = 0;
   bool begins = false;  ///< with it the stage begins, or goes on after a checkpoint

@@ -261,13 +261,14 @@ class Simulation final : public BodyView, private MotionHost {
   void fold_brought_in() const;
   /// Whether what may meet is known only until particles have gone so far.
   bool is_known_for_a_while() const { return std::isfinite(farthest_); }
-  void note_where_it_begins();
+  void note_where_it_begins(const std::vector<BoundingBox>& others);
   const Vec3d& place_at_begin(std::size_t row) const;
   struct Ways {
-    double farthest = 0, apart = 0;  // of one particle, and between those of any two  [length]
+    double farthest = 0;   // that one has gone  [length]
+    double room_left = 0;  // that each may go at least before ghosts may be missing  [length]
   };
+  double most_ahead(std::size_t row) const;
   Ways ways_since_begin() const;
-  double approach(const Ways& ways) const;
   double way_of_images(const CellEdges& edges) const;
   std::array<Vec3d, 3> force_on_images() const;
   void show_own() const;
@@ -361,6 +362,7 @@ class Simulation final : public BodyView, private MotionHost {
   std::array<double, 3> farthest_image_{};  // edges that an image may be away from what it meets
   double damped_by_cell_ = 0;  // on images, by the damping of bonds, as the cell moved in the step under way
   double farthest_ = 0, lost_beyond_ = 0;  // see Share
+  std::vector<float> most_ahead_;          // of the rows that it moves, where that may be more  [length]
   double room_ = 0;                        // what may meet is known until a particle has gone so far
   std::int64_t unmet_ = 0;                 // steps since meet()
   bool has_outgrown_ = false;

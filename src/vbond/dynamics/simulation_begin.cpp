@@ -135,7 +135,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
       take_up_loads();
     else
       begin_stage();
-    note_where_it_begins();
+    note_where_it_begins(share.others);
     if (part_bonds_.own_alone) has_changed();  // it was whole
     before_hold_.reset();
   } catch (const Diverged&) {  // of all parts alike

@@ -183,10 +183,18 @@ const Vec3d& Simulation::place_at_begin(std::size_t row) const {
   return r_begin_.empty() ? model_.r_0[bodies_.order.particle[Row{row}]] : r_begin_[row];
 }
 
-/// Images that may come near are as many edges away as particles lie apart, and what may meet reaches.
-void Simulation::note_where_it_begins() {
+/// Two of different parts that are not near may come nearer to each other by their distance less what may
+/// meet reaches, half of which is for each. Images that may come near are as many edges away as particles lie
+/// apart, and what may meet reaches.
+void Simulation::note_where_it_begins(const std::vector<BoundingBox>& others) {
   if (!is_known_for_a_while()) return;
   const std::size_t own = bodies_.order.own;
+  for (std::size_t k = 0; k < own && !others.empty(); ++k) {
+    double distance2 = BoundingBox::inf;
+    for (const BoundingBox& box : others) distance2 = std::min(distance2, box.distance2(bodies_.pose[k].r));
+    const double ahead = std::max(farthest_, 0.5 * (std::sqrt(distance2) - reach()));
+    most_ahead_.push_back(static_cast<float>(ahead * (1.0 - 1e-6)));  // less, as rounded
+  }
   for (std::size_t k = 0; k < own && r_begin_.empty(); ++k)
     if (bodies_.pose[k].r != place_at_begin(k)) r_begin_.resize(own);
   for (std::size_t k = 0; k < r_begin_.size(); ++k) r_begin_[k] = bodies_.pose[k].r;
@@ -204,32 +212,37 @@ double Simulation::way_of_images(const CellEdges& edges) const {
   return way;
 }
 
-/// Of the particles of all parts; none where it does not matter.
+/// How far the particle of a row may go, and any that it may meet as far, before ghosts may be missing.
+double Simulation::most_ahead(std::size_t row) const {
+  return most_ahead_.empty() ? farthest_ : static_cast<double>(most_ahead_[row]);
+}
+
+/// Of the particles of all parts; no ways where they do not matter. What all go alike, as when they fall,
+/// brings nobody nearer to others: that is the middle of the ways of those near other parts, or nothing. The
+/// cell has moved images on.
 Simulation::Ways Simulation::ways_since_begin() const {
-  Ways ways;
-  if (!is_known_for_a_while()) return ways;
+  if (!is_known_for_a_while()) return {.room_left = BoundingBox::inf};
+  const auto way_of = [this](std::size_t k) { return bodies_.pose[k].r - place_at_begin(k); };
   double most2 = 0.0;
   BoundingBox box;
   for (std::size_t k = 0; k < bodies_.order.own; ++k) {
-    const Vec3d way = bodies_.pose[k].r - place_at_begin(k);
-    most2 = std::max(most2, norm2(way));
-    box.add(way);
+    most2 = std::max(most2, norm2(way_of(k)));
+    if (most_ahead(k) <= 2.0 * farthest_) box.add(way_of(k));
   }
   std::array<double, 7> most{std::sqrt(most2), box.high.x, box.high.y, box.high.z,
                              -box.low.x,       -box.low.y, -box.low.z};
   exchange_.max(most);
-  ways.farthest = most[0];
-  ways.apart = norm(Vec3d{most[1] + most[4], most[2] + most[5], most[3] + most[6]});
-  return ways;
-}
-
-/// How far the two of any pair that may meet have come nearer to each other, by halves. What all of them have
-/// gone alike, as when they fall, does not count. The cell has moved images on.
-double Simulation::approach(const Ways& ways) const {
-  if (!is_known_for_a_while()) return 0.0;
+  const Vec3d alike = 0.5 * Vec3d{most[1] - most[4], most[2] - most[5], most[3] - most[6]};
+  std::array<double, 2> beyond{-BoundingBox::inf, -BoundingBox::inf};  // of what particles may go
+  for (std::size_t k = 0; k < bodies_.order.own; ++k) {
+    beyond[0] = std::max(beyond[0], norm(way_of(k)) - most_ahead(k));
+    if (is_finite(alike)) beyond[1] = std::max(beyond[1], norm(way_of(k) - alike) - most_ahead(k));
+  }
+  if (!is_finite(alike)) beyond[1] = beyond[0];
+  exchange_.max(beyond);
   CellEdges gone = state_.cell;
   for (std::size_t k = 0; k < gone.size(); ++k) gone[k].along -= cell_begin_[k].along;
-  return std::min(ways.farthest, 0.5 * ways.apart) + way_of_images(gone);
+  return {most[0], -std::min(beyond[0], beyond[1]) - way_of_images(gone)};
 }
 
 // ---- the whole body ----------------------------------------------------------------------------------

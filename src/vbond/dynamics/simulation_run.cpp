@@ -60,14 +60,14 @@ bool Simulation::meet(bool interrupted) {
   unmet_ = 0;
   if (!is_part_) {
     if (room_ > 0.0) return interrupted;
-    room_ = farthest_ - approach(ways_since_begin());
+    room_ = ways_since_begin().room_left;
     has_outgrown_ = room_ < 0.0;
     return interrupted;
   }
   agree_on_failure();
   fold_brought_in();
   const Ways ways = ways_since_begin();
-  room_ = farthest_ - approach(ways);
+  room_ = ways.room_left;
   const bool is_far = ways.farthest > 0.5 * lost_beyond_;  // all may have gone there together
   has_outgrown_ = (room_ < 0.0 || is_far) && ways.farthest < lost_beyond_;
   return exchange_.leader_says(interrupted);

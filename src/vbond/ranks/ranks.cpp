@@ -227,7 +227,7 @@ Share Ranks::migrate(Model& model, State& state, PartHandedOver part) {
     const bool is_other = at != others.end() && *at == g.particle;
     owners_of_ghosts.push_back(is_other ? owners[static_cast<std::size_t>(at - others.begin())] : rank_);
   }
-  Share share = share_with(std::move(ghosts), owners_of_ghosts, model);
+  Share share = share_with(std::move(ghosts), owners_of_ghosts, model, state);
   share.part = std::move(part);
   return share;
 }
@@ -258,23 +258,36 @@ Share Ranks::share_of(const Model& model, const State& state) {
   std::vector<ParticleId> particles;
   for (const ImageOf& g : ghosts) particles.push_back(g.particle);
   const std::vector<int> owners = owners_of(particles, own_, model.particles(), *this);
-  return share_with(std::move(ghosts), owners, model);
+  return share_with(std::move(ghosts), owners, model, state);
 }
 
-Share Ranks::share_with(std::vector<ImageOf> ghosts, const std::vector<int>& owners, const Model& model) {
+/// The boxes that the particles of other ranks are in.
+std::vector<BoundingBox> Ranks::boxes_of_others(const State& state) const {
+  BoundingBox mine;
+  for (const ParticleId p : own_) mine.add(state.r[p]);
+  std::vector<BoundingBox> boxes = gather(std::vector<BoundingBox>{mine});
+  boxes.erase(boxes.begin() + rank_);
+  return boxes;
+}
+
+Share Ranks::share_with(std::vector<ImageOf> ghosts, const std::vector<int>& owners, const Model& model,
+                        const State& state) {
   halo_ = Halo(ghosts, owners, *this);
   std::vector<ParticleId> known = own_;
   for (const ImageOf& g : ghosts) known.push_back(g.particle);
   Share share{
-      part_of(
+      .order = part_of(
           knows_all_ ? spatial_order(model.r_0) : spatial_order(model.r_0, known),
           {.own = own_, .sent = halo_.sent(), .ghosts = std::move(ghosts), .others_in_one_row = !knows_all_}),
-      std::numeric_limits<double>::infinity(), lost_beyond_};
+      .farthest = std::numeric_limits<double>::infinity(),
+      .lost_beyond = lost_beyond_};
   halo_.take_rows(share.order);
-  if (are_spread_anew(model))
+  if (are_spread_anew(model)) {
     share.farthest = 0.5 * margin * reach_;
-  else
+    if (!model.cell.any()) share.others = boxes_of_others(state);
+  } else {
     domains_.reset();  // LAMMPS makes room
+  }
   return share;
 }
 

@@ -66,7 +66,9 @@ class Ranks : public Partition {
   std::vector<int> owners_among(std::vector<PlacedParticle> across, const std::vector<ParticleId>& others,
                                 std::size_t particles) const;
   Share share_of(const Model& model, const State& state);
-  Share share_with(std::vector<ImageOf> ghosts, const std::vector<int>& owners, const Model& model);
+  std::vector<BoundingBox> boxes_of_others(const State& state) const;
+  Share share_with(std::vector<ImageOf> ghosts, const std::vector<int>& owners, const Model& model,
+                   const State& state);
   void make_domains(const Model& model, const State& state, const PerParticle<double>& work, double longest);
   double ghost_reach() const;
   bool are_spread_anew(const Model& model) const;
