@@ -92,7 +92,7 @@ StageResult Run::find_balance(const StaticStage& stage) {
     result.statics = std::move(found);
   };
   double load_factor = 0.0;
-  StaticHooks hooks{{}, hooks_.tell, hooks_.interrupted, hooks_.progress, {}, {}};
+  StaticHooks hooks{{}, hooks_.tell, hooks_.interrupted, hooks_.progress, {}, {}, threads_};
   hooks.point = [&](const StaticPoint& point) {
     const PointView view(model_, point);
     for (const auto& o : observers_) o->observe_balance(view, *view.balance());

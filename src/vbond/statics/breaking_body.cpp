@@ -159,9 +159,10 @@ void BreakingBody::begin(State state, double load_factor) {
   body_ = std::make_unique<StaticBody>(model_, *stage_, std::move(state), load_factor);
   body_->set_turns_before(turned);
   if (solver_) factors_before_ = factors();
-  solver_ = std::make_unique<TangentSolver>(
-      stage_->newton.solver, stage_->newton.solver == LinearSolver::automatic ? FactorUse::kept_if_cheaper
-                                                                              : FactorUse::new_each_time);
+  const bool may_keep = stage_->newton.solver == LinearSolver::automatic;
+  solver_ = std::make_unique<TangentSolver>(stage_->newton.solver,
+                                            may_keep ? FactorUse::kept_if_cheaper : FactorUse::new_each_time,
+                                            hooks_.threads);
   const auto first = std::find_if(stage_->supports.begin(), stage_->supports.end(), moves);
   moved_ = first != stage_->supports.end() ? &*first : nullptr;
   rate_.resize(0);

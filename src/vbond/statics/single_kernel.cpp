@@ -36,15 +36,25 @@ void forward(const StripOfFactor& L, double* x, std::ptrdiff_t stride) {
     }
   }
   double* under = x + width;
-  for (int i = 0; i < height; i += lanes) {
-    Doubles l[width];
-    for (int j = 0; j < width; ++j) l[j] = loaded(L.below + std::ptrdiff_t{j} * height + i);
-    for (int s = 0; s < sides; ++s) {
-      Doubles v = loaded(under + s * stride + i);
-      for (int j = 0; j < width; ++j) v -= l[j] * of_column[j][s];
-      std::memcpy(under + s * stride + i, &v, sizeof v);
+  for (int i = 0; i < height; i += sum_parts)
+    for (int part = 0; part < sum_parts; part += lanes) {
+      const float* below = L.below + std::ptrdiff_t{i} * width + part;
+      Doubles l[width];
+      for (int j = 0; j < width; ++j) l[j] = loaded(below + sum_parts * j);
+      for (int s = 0; s < sides; ++s) {
+        double* at = under + s * stride + i + part;
+        Doubles v = loaded(at);
+        for (int j = 0; j < width; ++j) v -= l[j] * of_column[j][s];
+        std::memcpy(at, &v, sizeof v);
+      }
     }
-  }
+}
+
+/// No processor sees that strips are read from the last to the first.
+template <int width>
+void fetch_ahead(const float* from) {
+  constexpr int line = 64 / sizeof(float);
+  for (int k = 0; k < width * sum_parts; k += line) __builtin_prefetch(from + k);
 }
 
 template <int width, int sides>
@@ -55,11 +65,12 @@ void backward(const StripOfFactor& L, double* x, std::ptrdiff_t stride) {
   const double* under = x + width;
   for (int i = 0; i < height; i += sum_parts)
     for (int part = 0; part < vectors; ++part) {
-      const int at = i + part * lanes;
+      const float* below = L.below + std::ptrdiff_t{i} * width + part * lanes;
+      if (part == 0 && L.next != nullptr) fetch_ahead<width>(L.next + std::ptrdiff_t{i} * width);
       Doubles v[sides];
-      for (int s = 0; s < sides; ++s) v[s] = loaded(under + s * stride + at);
+      for (int s = 0; s < sides; ++s) v[s] = loaded(under + s * stride + i + part * lanes);
       for (int j = 0; j < width; ++j) {
-        const Doubles l = loaded(L.below + std::ptrdiff_t{j} * height + at);
+        const Doubles l = loaded(below + sum_parts * j);
         for (int s = 0; s < sides; ++s) sums[j][s][part] += l * v[s];
       }
     }

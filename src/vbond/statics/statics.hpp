@@ -21,6 +21,9 @@ struct StaticHooks {
   /// The point from which a stage of fracture goes on, which was handed to `point` before it was stopped; may
   /// be empty.
   std::function<void(const StaticPoint&)> goes_on = {};
+  /// Of solutions with a factor that a stage of fracture keeps; what it finds does not depend on their
+  /// number.
+  int threads = 1;
 };
 
 struct StaticOutcome {

@@ -29,7 +29,8 @@ bool suits_multigrid(const StaticBody& body) {
 
 }  // namespace
 
-TangentSolver::TangentSolver(LinearSolver wanted, FactorUse factors) : wanted_(wanted), factors_(factors) {}
+TangentSolver::TangentSolver(LinearSolver wanted, FactorUse factors, int threads)
+    : wanted_(wanted), factors_(factors), kept_(factor_, threads) {}
 TangentSolver::~TangentSolver() = default;
 
 TangentSolver::Choice TangentSolver::choose(const StaticBody& body) {

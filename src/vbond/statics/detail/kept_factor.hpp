@@ -29,8 +29,8 @@ namespace vbond {
 /// together, take half of the iterations of one of 1e-9.
 class KeptFactor {
  public:
-  /// Keeps a reference.
-  explicit KeptFactor(Factor& factor) : factor_(factor) {}
+  /// Keeps a reference. threads: of solutions; what they find does not depend on their number.
+  explicit KeptFactor(Factor& factor, int threads = 1) : factor_(factor), single_(threads) {}
 
   /// The factor has just been made, of this matrix.
   void begin(const SparseMatrix& A);

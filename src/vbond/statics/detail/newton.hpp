@@ -23,7 +23,8 @@ enum class FactorUse { new_each_time, kept_if_cheaper, kept };
 /// the order of elimination only when the pattern has changed.
 class TangentSolver {
  public:
-  explicit TangentSolver(LinearSolver wanted, FactorUse factors = FactorUse::new_each_time);
+  /// threads: of solutions by a kept factor.
+  explicit TangentSolver(LinearSolver wanted, FactorUse factors = FactorUse::new_each_time, int threads = 1);
   ~TangentSolver();
 
   enum class Choice { direct, multigrid, none };
@@ -133,7 +134,7 @@ class TangentSolver {
   double per_factor_ = 1.0;  // of the bordered equations: their last unknown is f over this
   int analysed_ = 0;         // pattern_version
   std::unique_ptr<ByMultigrid> multigrid_;
-  KeptFactor kept_{factor_};
+  KeptFactor kept_;
   const SparseMatrix* present_ = nullptr;  // the tangent, where the kept factor is used
   const StaticBody* present_body_ = nullptr;
   std::shared_ptr<const KeptFactorUnderWay::Place> kept_of_;  // where the body of the kept factor stood

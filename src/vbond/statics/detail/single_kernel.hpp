@@ -13,10 +13,12 @@ constexpr int filled_up(int height) {
 }
 
 /// Some columns of L, one to widest_strip. `corner` is at their diagonal, entry row, column at widest_strip
-/// column + row; `below` is what follows, column by column, each filled_up(height).
+/// column + row; `below` is what follows, filled_up(height) rows: of each sum_parts of them column after
+/// column, so that memory is read from its begin to its end.
 struct StripOfFactor {
   const float *corner, *below;
   int height;
+  const float* next;  ///< the corner of the strip that comes next, which is on its way then; or nullptr
 };
 
 /// One step of a solution: x is at the first row of the strip, side c from x + c stride on, with room behind
