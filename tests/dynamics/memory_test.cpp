@@ -88,6 +88,8 @@ TEST(MemoryUse, OfRanksIsWhatEachHoldsAsItIsMadeOrSteps) {
   // or of the state, the places alone of all
   const double placed = of_each(very_many, RanksKeep::own_motion) / 1.05 - program;
   EXPECT_NEAR(placed, made - N * 80.0, 1.0 + 4.0 * 80.0);  // of two: its own and its ghosts
+  const double first = of_each(very_many, RanksKeep::own_first_places) / 1.05 - program;
+  EXPECT_NEAR(first, placed - N * 24.0, 1.0 + 4.0 * 24.0);
   // as they step, own bonds with their names, own particles, and ghosts on three faces of a cube; LAMMPS has
   // gone; overlaps are looked for among all of them at once, as they are few
   const double quarter = N / 4.0,

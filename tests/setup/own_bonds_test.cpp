@@ -167,6 +167,13 @@ TEST_P(OwnBonds, AreThoseOfTheWholeBodyByNameAndNoProcessHasMore) {
         EXPECT_EQ(s.v[p], begun.v[p]);
         EXPECT_EQ(s.omega[p], begun.omega[p]);
       });
+      const PerParticle<Vec3d>& first = m.built.model.r_0;
+      if (may_keep_own_first_places(c)) {
+        EXPECT_TRUE(*first.held() == *s.q.held());
+        first.held()->for_each([&](ParticleId p) { EXPECT_EQ(first[p], whole.model.r_0[p]); });
+      } else {
+        EXPECT_EQ(first, whole.model.r_0);
+      }
       EXPECT_TRUE(m.shared.laws == shared.laws && m.shared.rules == shared.rules);
       EXPECT_TRUE(s.books == whole.state.books);
       EXPECT_EQ(m.built.model.T_0, whole.model.T_0);
@@ -211,6 +218,19 @@ TEST(OwnBondsOf, CasesWithRigidGroupsHaveTheMotionOfAll) {
   c.stages[0].supports.clear();
   c.sources.emplace_back();
   EXPECT_FALSE(may_keep_own_motion(c));
+}
+
+TEST(OwnBondsOf, CasesThatAskWhereOthersStoodAtFirstKnowThat) {
+  const auto without = [](const std::function<void(Case&)>& change) {
+    Case c = parsed(block);
+    EXPECT_TRUE(may_keep_own_first_places(c));
+    change(c);
+    return !may_keep_own_first_places(c);
+  };
+  EXPECT_TRUE(without([](Case& c) { c.contact.law = ContactLaw::hertz; }));
+  EXPECT_TRUE(without([](Case& c) { c.stages[0].strain.emplace(); }));
+  EXPECT_TRUE(without([](Case& c) { c.output.stresses.emplace_back(); }));
+  EXPECT_TRUE(without([](Case& c) { c.stages[0].supports.emplace_back().rigid = true; }));
 }
 
 /// Which of two processes has the lower half of the particles; what each tells, or nothing.

@@ -134,8 +134,9 @@ double memory_of_each_rank(const Model& model, const State& state, double bonds,
   constexpr double pair = 2 * sizeof(ParticleId) + sizeof(Image);
   const double known = own + ghosts_of(model, own);
   constexpr double place_bytes = sizeof(Vec3d), motion_bytes = state_bytes_per_particle - place_bytes;
-  const double made = atoms + n * (of_all + own_model_bytes + place_bytes + counts) +
-                      (keep == RanksKeep::own_motion ? known : n) * motion_bytes +
+  const double made = atoms + n * (of_all + own_model_bytes + counts) +  // of first places or present ones
+                      (keep == RanksKeep::own_first_places ? known : n) * place_bytes +
+                      (keep == RanksKeep::own_bonds ? n : known) * motion_bytes +
                       bonds / ranks * (sizeof(Bond) + boxed_per_bond(state) + sizeof(BondId) + pair);
   const double steps =
       (particles_touch(model.contact) ? atoms : 0.0) + n * of_all +

@@ -21,8 +21,9 @@ MemoryUse memory_use(const Model& model, const State& state);
 inline constexpr double model_bytes_per_particle = 3 * sizeof(double) + sizeof(std::uint32_t) + sizeof(Vec3d);
 
 /// What each rank has from the set-up on: all bonds until a stage begins, or its own alone, or of
-/// orientations and velocities, too, those of its own particles and of few others.
-enum class RanksKeep : std::uint8_t { all_bonds, own_bonds, own_motion };
+/// orientations and velocities, too, those of its own particles and of few others; or so of first places as
+/// well.
+enum class RanksKeep : std::uint8_t { all_bonds, own_bonds, own_motion, own_first_places };
 
 /// About the most that each of so many ranks, >= 1, takes, with program, MPI and LAMMPS. In the time loop
 /// rows of particles, constants and index of bonds are shared out, and bonds, state and model if ranks keep

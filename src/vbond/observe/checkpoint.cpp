@@ -31,6 +31,7 @@ void check_fingerprint(H5Reader& reader, const Model& model) {
         fmt::format("belongs to another case: it has {} particles, the case has {}", n, model.particles()));
   Model m;
   read_tables(reader, model_table, {.particles = n}, {}, m);
+  m.r_0.hold(model.r_0.held());  // of several processes each knows its own
   FirstCells at_start;
   read_tables(reader, cell_table, {}, {}, at_start);
   const bool another_cell = !at_start.cells.empty() && at_start.cells != first_cells(model).cells;

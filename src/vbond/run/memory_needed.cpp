@@ -149,13 +149,14 @@ std::vector<BondsToCome> bonds_to_come(const Case& c, const Run& run) {
 }
 
 RanksKeep ranks_keep(const Case& c) {
+  if (may_keep_own_first_places(c)) return RanksKeep::own_first_places;
   if (may_keep_own_motion(c)) return RanksKeep::own_motion;
   return may_keep_own_bonds(c) ? RanksKeep::own_bonds : RanksKeep::all_bonds;
 }
 
 void require_memory(const Case& c, const RanksHere& ranks) {
   constexpr double place = sizeof(Vec3d), motion = state_bytes_per_particle - place;
-  const int times_motion = ranks_keep(c) == RanksKeep::own_motion ? 1 : ranks.number;  // once, or on each
+  const int times_motion = may_keep_own_motion(c) ? 1 : ranks.number;  // once, or on each
   require(count_particles(c) * ((model_bytes_per_particle + place) * ranks.number + motion * times_motion),
           "at least", c, ranks, alone());
 }
@@ -164,7 +165,8 @@ void require_memory(const Case& c, const Model& model, const BodyPart& body, con
   if (ranks.all == 1) return;  // it is one process as any, of which this is told already
   const RanksKeep keep = body.has_all_bonds()       ? RanksKeep::all_bonds
                          : body.state.v.holds_all() ? RanksKeep::own_bonds
-                                                    : RanksKeep::own_motion;
+                         : model.r_0.holds_all()    ? RanksKeep::own_motion
+                                                    : RanksKeep::own_first_places;
   const double of_each =
       memory_of_each_rank(model, body.state, static_cast<double>(count_bonds(body)), ranks.all, keep);
   require(ranks.number * of_each, "about", c, ranks, body.all);

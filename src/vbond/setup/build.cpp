@@ -310,7 +310,9 @@ Built build_body(const Case& c, int threads, const KeepOwnBonds* processes) {
   add_copies(c, built);
   if (!c.cell) keep_motion_alone(specimens);
 
-  const auto complete_motion = [&](const std::vector<ParticleId>& some) {
+  const auto know_only = [&](const std::vector<ParticleId>& some) {  // and second ends of own bonds
+    if (may_keep_own_first_places(c))
+      model.r_0.hold(std::make_shared<IdSet<ParticleId>>(model.particles(), some));
     if (!motion_later) return;
     know_motion_of(some);
     set_motion(specimens, model, state);
@@ -318,7 +320,7 @@ Built build_body(const Case& c, int threads, const KeepOwnBonds* processes) {
   SharedCells shared(threads);
   if (processes != nullptr)
     built.own = std::make_shared<BondsFromSetUp>(
-        make_own_bonds(c, model, state, slice, *processes, complete_motion, problems, shared));
+        make_own_bonds(c, model, state, slice, *processes, know_only, problems, shared));
   else
     for (std::size_t set = 0; set < c.bonds.size(); ++set)
       if (c.bonds[set].when == BondTime::start) add_bonds_at_start(c, set, built, problems, shared);

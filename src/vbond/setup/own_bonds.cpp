@@ -190,6 +190,11 @@ bool may_keep_own_motion(const Case& c) {
          std::none_of(c.stages[0].supports.begin(), c.stages[0].supports.end(), is_rigid);
 }
 
+bool may_keep_own_first_places(const Case& c) {
+  return may_keep_own_motion(c) && !particles_touch(c.contact) && !c.stages[0].strain &&
+         c.output.stresses.empty();
+}
+
 PerParticle<char> slice_of(const PerParticle<Vec3d>& r, const Communicator& all) {
   constexpr std::size_t bins = 1 << 14;
   const BoundingBox box = box_around(r);

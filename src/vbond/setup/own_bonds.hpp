@@ -23,6 +23,11 @@ bool may_keep_own_bonds(const Case& c);
 /// groups ask for those of all of theirs.
 bool may_keep_own_motion(const Case& c);
 
+/// Whether each process of such a case may forget where the particles of others stood at first once it knows
+/// its own ones and second ends of its own bonds. Contacts ask for more of them, an imposed strain and the
+/// box of a mean stress for those of groups.
+bool may_keep_own_first_places(const Case& c);
+
 /// The processes, and how they share out the particles.
 struct KeepOwnBonds {
   const Communicator& all;
