@@ -89,7 +89,10 @@ FactorBranches branches_of(const FactorBlocks& blocks) {
       else
         found.branches.push_back({node.lowest, b + 1, node.all});
     }
-    if (found.branches.size() > 1) return found;
+    double copied = 0.0;  // columns of the top, for each branch
+    for (const int b : found.top) copied += blocks.block(b).width;
+    copied *= static_cast<double>(found.branches.size());
+    if (found.branches.size() > 1 && copied < 0.1 * sum) return found;  // else twigs of a trunk: no gain
   }
   found = {};
   for (int b = 0; b < blocks.number(); ++b) found.top.push_back(b);
