@@ -87,7 +87,7 @@ TEST(BondLanes, TakeAllBondsThatHoldInTheirOrder) {
   for (const std::size_t k : {7U, 8U}) s.bonds[BondId{k}].law = bond_law<VModel>.with_flow;
   std::vector<BondId> seen, alone;
   for_bonds_in_lanes(
-      s, [&](BondId k) { return k.value != 11; },
+      s, s.bonds.ids(), [&](BondId k) { return k.value != 11; },
       [](const BondLaneLoops& loops, BondLanes& lanes) { loops.loads(lanes); },
       [&](BondId k, const BondLanes& lanes, std::size_t l) {
         seen.push_back(k);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <memory>
 #include <random>
 #include <vector>
 
@@ -52,8 +53,8 @@ TEST(SingleFactor, SolvesItsBranchesToTheSameBitsWithAnyNumberOfThreads) {
   DenseMatrix B(A.rows(), 6), first;
   for (int k = 0; k < 6; ++k) B.col(k) = random_vector(static_cast<int>(A.rows()), 20 + k);
   B.col(5).head(A.rows() / 2).setZero();  // whole branches may have nothing
-  for (const int threads : {1, 2, 3, 16}) {
-    SingleFactor single(threads);
+  for (const std::size_t threads : {1u, 2u, 3u, 16u}) {
+    SingleFactor single(std::make_shared<Crew>(threads));
     ASSERT_TRUE(factor.copy_to(single));
     EXPECT_GE(single.branches(), 4u);
     for (int again = 0; again < 3; ++again) {

@@ -138,18 +138,21 @@ Assembly::Place Assembly::place_of(ParticleId p, ParticleId q) const {
   return {first_i, first_j, own_offset_[i], own_offset_[j], offset(i, j), offset(j, i)};
 }
 
-void Assembly::add_symmetric(const Place& at, const double (&K)[12][12]) {
+void Assembly::add_symmetric(const Place& at, const double (&K)[12][12], Ends ends) {
   double* const values = matrix_.valuePtr();
   const int* const columns = matrix_.outerIndexPtr();
   const auto add_six = [](const double* from, double* to) {
     for (int a = 0; a < 6; ++a) to[a] += from[a];
   };
-  for (int b = 0; b < 6; ++b) {
-    double *of_i = values + columns[at.first_i + b], *of_j = values + columns[at.first_j + b];
-    add_six(K[b], of_i + at.own_i);
-    add_six(K[b] + 6, of_i + at.j_in_i);
-    add_six(K[6 + b], of_j + at.i_in_j);
-    add_six(K[6 + b] + 6, of_j + at.own_j);
+  for (int b = 0; ends.i && b < 6; ++b) {
+    double* column = values + columns[at.first_i + b];
+    add_six(K[b], column + at.own_i);
+    add_six(K[b] + 6, column + at.j_in_i);
+  }
+  for (int b = 0; ends.j && b < 6; ++b) {
+    double* column = values + columns[at.first_j + b];
+    add_six(K[6 + b], column + at.i_in_j);
+    add_six(K[6 + b] + 6, column + at.own_j);
   }
 }
 

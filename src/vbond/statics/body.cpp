@@ -113,6 +113,7 @@ StaticBody::StaticBody(const Model& model, const StaticStage& stage, State state
                 free_cell(model, stage, length_scale(model, state_)), idle_turns(model, stage, state_)),
       terms_(*this, state_),
       bonded_(model.particles(), false),
+      shares_(state_),
       held_rate_(model.particles()),
       stiffness_{Assembly(unknowns_), Assembly(unknowns_), {}, {}, 0.0, false} {
   begin_anew(state_, Anew::at_rest);
@@ -142,6 +143,11 @@ StaticBody::StaticBody(const Model& model, const StaticStage& stage, State state
   if (any([](const Bond& b) { return b.law->remembers(); })) state_.bond_history.resize(state_.bonds.size());
   flows_ = any(yields_or_softens);
   if (flows_) accept();
+}
+
+void StaticBody::sum_with(std::shared_ptr<Crew> crew) {
+  constexpr std::size_t worth_it = 1000;  // bonds: less is done while another thread wakes up
+  if (state_.bonds.size() >= worth_it) shares_ = BondShares(state_, std::move(crew));
 }
 
 void StaticBody::accept() {
@@ -254,7 +260,7 @@ const Energies& StaticBody::energies() const {
   Energies e;
   const auto add = [&e](double U_L, double U_B, double U_T) { e.U_L += U_L, e.U_B += U_B, e.U_T += U_T; };
   for_bonds_in_lanes(
-      state_, [](BondId) { return true; },
+      state_, state_.bonds.ids(), [](BondId) { return true; },
       [](const BondLaneLoops& loops, BondLanes& lanes) { loops.energy(lanes); },
       [&](BondId, const BondLanes& b, std::size_t lane) { add(b.U[0][lane], b.U[1][lane], b.U[2][lane]); },
       [&](BondId k) {

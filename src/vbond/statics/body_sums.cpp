@@ -55,6 +55,56 @@ Vector StaticBody::on_unknowns(const Loads& loads) const {
   return x;
 }
 
+/// What a pair does to each other.
+void StaticBody::push(ParticleId i, ParticleId j, const Image& of_j, const Vec3d& F, Loaded& l) const {
+  l.loads.F[i] += F, l.loads.F[j] -= F;
+  if (!l.inside.empty() && of_j.is_itself() && unknowns_.carrier(i) == unknowns_.carrier(j))
+    l.inside[i] += F, l.inside[j] -= F;
+  if (!of_j.is_itself()) add_image(of_j, F, l);
+  l.largest = larger(l.largest, norm(F));
+}
+
+/// Parts side by side, each to its own particles; then bonds with an image.
+void StaticBody::add_bonds(Loaded& l) const {
+  const auto for_loads_of = [this](const std::vector<BondId>& bonds, const auto& add) {
+    for_bonds_in_lanes(
+        state_, bonds, [](BondId) { return true; },
+        [](const BondLaneLoops& loops, BondLanes& lanes) { loops.loads(lanes); },
+        [&](BondId k, const BondLanes& lanes, std::size_t lane) {
+          const auto vec = [lane](const BondLanes::Lane(&x)[3]) {
+            return Vec3d{x[0][lane], x[1][lane], x[2][lane]};
+          };
+          add(state_.bonds[k], BondLoads<double>{vec(lanes.F), vec(lanes.M_ij), vec(lanes.M_ji)});
+        },
+        [&](BondId k) { add(state_.bonds[k], bond_loads(state_, k)); });
+  };
+  const auto larger_moment = [this](const BondLoads<double>& f) {
+    return larger(norm(f.M_ij), norm(f.M_ji)) / unknowns_.length();
+  };
+  std::vector<double> largest(shares_.parts(), 0.0);
+  shares_.for_parts([&](std::size_t part) {
+    double most = 0.0;
+    for_loads_of(shares_.bonds(part), [&](const Bond& b, const BondLoads<double>& f) {
+      const bool inside = !l.inside.empty() && unknowns_.carrier(b.i) == unknowns_.carrier(b.j);
+      const auto add_to = [&](ParticleId p, const Vec3d& F, const Vec3d& M) {
+        if (!shares_.owns(part, p)) return;
+        l.loads.F[p] += F, l.loads.M[p] += M;
+        if (inside) l.inside[p] += F;
+      };
+      add_to(b.i, f.F, f.M_ij);
+      add_to(b.j, -f.F, f.M_ji);
+      most = larger(most, larger(norm(f.F), larger_moment(f)));
+    });
+    largest[part] = most;
+  });
+  for (const double most : largest) l.largest = larger(l.largest, most);
+  for_loads_of(shares_.with_images(), [&](const Bond& b, const BondLoads<double>& f) {
+    push(b.i, b.j, image_of_j(b), f.F, l);
+    l.loads.M[b.i] += f.M_ij, l.loads.M[b.j] += f.M_ji;
+    l.largest = larger(l.largest, larger_moment(f));
+  });
+}
+
 const StaticBody::Loaded& StaticBody::loads_at_hand() const {
   if (loaded_) return *loaded_;
   const std::size_t n = model_.particles();
@@ -62,32 +112,11 @@ const StaticBody::Loaded& StaticBody::loads_at_hand() const {
   l.loads = {PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)};
   if (std::any_of(grips_.begin(), grips_.end(), [](const Grip& g) { return is_free_grip(*g.support); }))
     l.inside.resize(n);
-  const auto push = [&](ParticleId i, ParticleId j, const Image& of_j, const Vec3d& F) {
-    l.loads.F[i] += F, l.loads.F[j] -= F;
-    if (!l.inside.empty() && of_j.is_itself() && unknowns_.carrier(i) == unknowns_.carrier(j))
-      l.inside[i] += F, l.inside[j] -= F;
-    if (!of_j.is_itself()) add_image(of_j, F, l);
-    l.largest = larger(l.largest, norm(F));
-  };
   add_applied(load_factor_, l.loads);
   l.largest = max_norm(on_unknowns(l.loads));
-  const auto add = [&](const Bond& b, const BondLoads<double>& f) {
-    push(b.i, b.j, image_of_j(b), f.F);
-    l.loads.M[b.i] += f.M_ij, l.loads.M[b.j] += f.M_ji;
-    l.largest = larger(l.largest, larger(norm(f.M_ij), norm(f.M_ji)) / unknowns_.length());
-  };
-  for_bonds_in_lanes(
-      state_, [](BondId) { return true; },
-      [](const BondLaneLoops& loops, BondLanes& lanes) { loops.loads(lanes); },
-      [&](BondId k, const BondLanes& lanes, std::size_t lane) {
-        const auto vec = [lane](const BondLanes::Lane(&x)[3]) {
-          return Vec3d{x[0][lane], x[1][lane], x[2][lane]};
-        };
-        add(state_.bonds[k], {vec(lanes.F), vec(lanes.M_ij), vec(lanes.M_ji)});
-      },
-      [&](BondId k) { add(state_.bonds[k], bond_loads(state_, k)); });
+  add_bonds(l);
   for_touching([&](ParticleId i, ParticleId j, const Image& of_j, double) {
-    push(i, j, of_j, touch(model_, state_, i, j, of_j).loads.F);
+    push(i, j, of_j, touch(model_, state_, i, j, of_j).loads.F, l);
   });
   for (const RestTerm* t : terms_.all()) t->add_loads(l);
   l.unbalanced = on_unknowns(l.loads);
@@ -105,26 +134,37 @@ double StaticBody::residual() const {
   return unbalanced == 0.0 ? 0.0 : unbalanced / l.largest;
 }
 
+/// Parts side by side, each to the columns of its own particles.
+void StaticBody::add_bonds_in_lanes(Stiffness& s) const {
+  shares_.for_parts([&](std::size_t part) {
+    for_bonds_in_lanes(
+        state_, shares_.bonds(part), [this](BondId k) { return place_in_tangent_[k].is_there(); },
+        [this](const BondLaneLoops& loops, BondLanes& lanes) { loops.tangent(lanes, unknowns_.length()); },
+        [&](BondId k, const BondLanes& lanes, std::size_t lane) {
+          double K[12][12];
+          for (int c = 0; c < 12; ++c)
+            for (int r = 0; r < 12; ++r) K[c][r] = lanes.block[c][r][lane];
+          const Bond& b = state_.bonds[k];
+          s.assembly.add_symmetric(place_in_tangent_[k], K,
+                                   {shares_.owns(part, b.i), shares_.owns(part, b.j)});
+        },
+        [](BondId) {});
+  });
+}
+
 const StaticBody::Stiffness& StaticBody::stiffness_at_hand() const {
   if (stiffness_.current) return stiffness_;
   clear_stiffness();
   begin_load_direction();
   find_places();
-  for_bonds_in_lanes(
-      state_, [this](BondId k) { return place_in_tangent_[k].first_i >= 0; },
-      [this](const BondLaneLoops& loops, BondLanes& lanes) { loops.tangent(lanes, unknowns_.length()); },
-      [this](BondId k, const BondLanes& lanes, std::size_t lane) {
-        double K[12][12];
-        for (int c = 0; c < 12; ++c)
-          for (int r = 0; r < 12; ++r) K[c][r] = lanes.block[c][r][lane];
-        stiffness_.assembly.add_symmetric(place_in_tangent_[k], K);
-      },
-      [this](BondId k) {
-        const Bond& b = state_.bonds[k];
-        const PairTangent<9> t = b.law->tangent(b, bond_pose(b, state_), history_before(k));
-        add_pair(b.i, b.j, image_of_j(b), block_of(t, unknowns_.length()));
-        if (is_cracked(b)) stiffness_.friction = larger(stiffness_.friction, skew_of_friction(b, t));
-      });
+  add_bonds_in_lanes(stiffness_);
+  for (const BondId k : state_.bonds.ids()) {
+    const Bond& b = state_.bonds[k];
+    if (b.broken || place_in_tangent_[k].is_there()) continue;
+    const PairTangent<9> t = b.law->tangent(b, bond_pose(b, state_), history_before(k));
+    add_pair(b.i, b.j, image_of_j(b), block_of(t, unknowns_.length()));
+    if (is_cracked(b)) stiffness_.friction = larger(stiffness_.friction, skew_of_friction(b, t));
+  }
   for_touching([&](ParticleId i, ParticleId j, const Image& of_j, double) {
     add_pair(i, j, of_j, block_of(touch(model_, state_, i, j, of_j)));
   });
@@ -201,7 +241,7 @@ bool StaticBody::is_plain(ParticleId p) const {
          held.shift == Vec3d{} && held.turn == Vec3d{};
 }
 
-/// Where the blocks of bonds go that need no more than that.
+/// Where the blocks of bonds go that need no more than that, and may go together with others.
 void StaticBody::find_places() const {
   if (flows()) {
     place_in_tangent_.assign(state_.bonds.size(), {});
@@ -213,7 +253,8 @@ void StaticBody::find_places() const {
   place_in_tangent_.assign(state_.bonds.size(), {});
   for (const BondId k : state_.bonds.ids()) {
     const Bond& b = state_.bonds[k];
-    if (!b.broken && image_of_j(b).is_itself() && is_plain(b.i) && is_plain(b.j))
+    if (!b.broken && image_of_j(b).is_itself() && is_plain(b.i) && is_plain(b.j) &&
+        lane_loops(bond_lane_kernel(), *b.law, *b.rules) != nullptr)
       place_in_tangent_[k] = stiffness_.assembly.place_of(b.i, b.j);
   }
 }

@@ -58,13 +58,21 @@ double off_supports(const std::vector<Support>& supports, const State& from, dou
 
 BreakingBody::BreakingBody(const Model& model, const StaticStage& stage, State balanced,
                            const StaticHooks& hooks, StaticResult& result)
-    : model_(model), hooks_(hooks), result_(result), stage_(std::make_unique<StaticStage>(stage)) {
+    : model_(model),
+      hooks_(hooks),
+      result_(result),
+      crew_(crew_of(hooks)),
+      stage_(std::make_unique<StaticStage>(stage)) {
   begin(std::move(balanced), 0.0);
 }
 
 BreakingBody::BreakingBody(const Model& model, const StaticStage& stage, State now,
                            const FractureUnderWay& then, const StaticHooks& hooks, StaticResult& result)
-    : model_(model), hooks_(hooks), result_(result), stage_(std::make_unique<StaticStage>(stage)) {
+    : model_(model),
+      hooks_(hooks),
+      result_(result),
+      crew_(crew_of(hooks)),
+      stage_(std::make_unique<StaticStage>(stage)) {
   const FractureUnderWay::Numbers& n = then.numbers;
   for (const HeldPart& part : then.held)
     if (part.why == HeldPart::Why::came_off) hold(part);
@@ -157,12 +165,12 @@ void BreakingBody::begin(State state, double load_factor) {
   begun_ = std::make_shared<const State>(state);
   begun_at_ = load_factor;
   body_ = std::make_unique<StaticBody>(model_, *stage_, std::move(state), load_factor);
+  body_->sum_with(crew_);
   body_->set_turns_before(turned);
   if (solver_) factors_before_ = factors();
   const bool may_keep = stage_->newton.solver == LinearSolver::automatic;
-  solver_ = std::make_unique<TangentSolver>(stage_->newton.solver,
-                                            may_keep ? FactorUse::kept_if_cheaper : FactorUse::new_each_time,
-                                            hooks_.threads);
+  solver_ = std::make_unique<TangentSolver>(
+      stage_->newton.solver, may_keep ? FactorUse::kept_if_cheaper : FactorUse::new_each_time, crew_);
   const auto first = std::find_if(stage_->supports.begin(), stage_->supports.end(), moves);
   moved_ = first != stage_->supports.end() ? &*first : nullptr;
   rate_.resize(0);

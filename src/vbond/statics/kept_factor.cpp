@@ -28,19 +28,44 @@ double largest_scaled_row(const SparseMatrix& M, const Vector& root) {
   return largest;
 }
 
-/// A P of a symmetric matrix, all columns in one pass over it: row by row, four numbers at a time.
-DenseMatrix product(const SparseMatrix& A, const DenseMatrix& P) {
+/// Calls work(from, to) for pieces of so many rows, in each thread for its own.
+template <class Work>
+void for_pieces(Eigen::Index rows, Crew& crew, Work work) {
+  const auto number = static_cast<Eigen::Index>(crew.count());
+  crew.for_each([&](std::size_t thread) {
+    const auto k = static_cast<Eigen::Index>(thread);
+    work(k * rows / number, (k + 1) * rows / number);
+  });
+}
+
+/// A p of a symmetric matrix.
+Vector product(const SparseMatrix& A, const Vector& p, Crew& crew) {
+  Vector y(p.size());
+  for_pieces(A.outerSize(), crew, [&](Eigen::Index from, Eigen::Index to) {
+    for (Eigen::Index k = from; k < to; ++k) {
+      double sum = 0.0;
+      for (SparseMatrix::InnerIterator it(A, k); it; ++it) sum += it.value() * p[it.row()];
+      y[k] = sum;
+    }
+  });
+  return y;
+}
+
+/// The same, all columns in one pass over A: row by row, four numbers at a time.
+DenseMatrix product(const SparseMatrix& A, const DenseMatrix& P, Crew& crew) {
   using Four = Eigen::Vector4d;
   DenseMatrix Y(P.rows(), P.cols()), rows = DenseMatrix::Zero(4, P.rows());
   for (Eigen::Index first = 0; first < P.cols(); first += 4) {
     const Eigen::Index columns = std::min<Eigen::Index>(4, P.cols() - first);
     rows.topRows(columns) = P.middleCols(first, columns).transpose();
-    for (int k = 0; k < A.outerSize(); ++k) {
-      Four sum = Four::Zero();
-      for (SparseMatrix::InnerIterator it(A, k); it; ++it)
-        sum += it.value() * Eigen::Map<const Four>(&rows(0, it.row()));
-      Y.row(k).segment(first, columns) = sum.head(columns).transpose();
-    }
+    for_pieces(A.outerSize(), crew, [&](Eigen::Index from, Eigen::Index to) {
+      for (Eigen::Index k = from; k < to; ++k) {
+        Four sum = Four::Zero();
+        for (SparseMatrix::InnerIterator it(A, k); it; ++it)
+          sum += it.value() * Eigen::Map<const Four>(&rows(0, it.row()));
+        Y.row(k).segment(first, columns) = sum.head(columns).transpose();
+      }
+    });
   }
   return Y;
 }
@@ -214,15 +239,18 @@ DenseMatrix KeptFactor::solve_kept(const DenseMatrix& B) const {
     for (Eigen::Index first = 0; first < X.cols(); first += most_sides) {
       const Eigen::Index sides = std::min<Eigen::Index>(most_sides, X.cols() - first);
       const DenseMatrix by_rows = part.middleCols(first, sides).transpose();
-      single_kernel().subtract_product[sides - 1](c.Z.data(), X.rows(), static_cast<int>(part.rows()),
-                                                  by_rows.data(), &X(0, first), X.rows());
+      for_pieces(X.rows(), *crew_, [&](Eigen::Index from, Eigen::Index to) {
+        single_kernel().subtract_product[sides - 1](c.Z.data() + from, to - from,
+                                                    static_cast<int>(part.rows()), by_rows.data(),
+                                                    X.data() + first * X.rows() + from, X.rows());
+      });
     }
   }
   return X;
 }
 
 std::optional<Vector> KeptFactor::solve(const SparseMatrix& A, const Vector& b, double accuracy) {
-  const auto times = [&A](const Vector& p) -> Vector { return A * p; };
+  const auto times = [&](const Vector& p) -> Vector { return product(A, p, *crew_); };
   const auto inverse = [this](const Vector& v) -> Vector {
     in_cycle_ += price_;
     return solve_kept(v);
@@ -236,7 +264,7 @@ std::optional<Vector> KeptFactor::solve(const SparseMatrix& A, const Vector& b, 
 std::optional<DenseMatrix> KeptFactor::gradients(const SparseMatrix& A, const DenseMatrix& B,
                                                  const DenseMatrix& X, const std::vector<Enough>& enough,
                                                  std::vector<GradientsMade>* made) {
-  const auto times = [&A](const DenseMatrix& P) -> DenseMatrix { return product(A, P); };
+  const auto times = [&](const DenseMatrix& P) -> DenseMatrix { return product(A, P, *crew_); };
   const auto inverse = [this](const DenseMatrix& R) -> DenseMatrix {
     in_cycle_ += price_of(R.cols());
     return solve_kept(R);

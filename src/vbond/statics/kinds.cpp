@@ -179,6 +179,10 @@ void refuse_not_finite(const StaticBody& body) {
       "particles that are bonded must stand apart, and loads and stiffnesses be far from the largest number");
 }
 
+std::shared_ptr<Crew> crew_of(const StaticHooks& hooks) {
+  return std::make_shared<Crew>(static_cast<std::size_t>(std::max(hooks.threads, 1)));
+}
+
 void tell(const StaticStage& stage, const StaticHooks& hooks, const std::string& text) {
   if (hooks.tell) hooks.tell(fmt::format("stage \"{}\": {}", stage.name, text));
 }

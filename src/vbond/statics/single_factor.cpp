@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <utility>
 
 #include "vbond/statics/detail/kernel_of_sets.hpp"
 #include "vbond/statics/detail/pulse.hpp"
@@ -44,8 +45,7 @@ std::size_t size_of_strip(int width, int below) {
 
 }  // namespace
 
-SingleFactor::SingleFactor(int threads)
-    : crew_(std::make_unique<Crew>(static_cast<std::size_t>(std::max(threads, 1)))), local_(crew_->count()) {}
+SingleFactor::SingleFactor(std::shared_ptr<Crew> crew) : crew_(std::move(crew)), local_(crew_->count()) {}
 
 void SingleFactor::take(const FactorBlocks& blocks, const std::vector<std::size_t>& at,
                         const double* values) {

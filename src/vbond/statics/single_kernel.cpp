@@ -96,7 +96,7 @@ void subtract_product(const double* Z, std::ptrdiff_t rows, int rank, const doub
   for (; i + lanes <= rows; i += lanes) {
     Doubles sum[sides] = {};
     for (int k = 0; k < rank; ++k) {
-      const Doubles z = loaded(Z + k * rows + i);
+      const Doubles z = loaded(Z + k * stride + i);
       for (int s = 0; s < sides; ++s) sum[s] += z * part[k * sides + s];
     }
     for (int s = 0; s < sides; ++s) {
@@ -107,7 +107,7 @@ void subtract_product(const double* Z, std::ptrdiff_t rows, int rank, const doub
   for (; i < rows; ++i)
     for (int s = 0; s < sides; ++s) {
       double sum = 0.0;
-      for (int k = 0; k < rank; ++k) sum += Z[k * rows + i] * part[k * sides + s];
+      for (int k = 0; k < rank; ++k) sum += Z[k * stride + i] * part[k * sides + s];
       X[s * stride + i] -= sum;
     }
 }

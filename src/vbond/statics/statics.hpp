@@ -21,8 +21,8 @@ struct StaticHooks {
   /// The point from which a stage of fracture goes on, which was handed to `point` before it was stopped; may
   /// be empty.
   std::function<void(const StaticPoint&)> goes_on = {};
-  /// Of solutions with a factor that a stage of fracture keeps; what it finds does not depend on their
-  /// number.
+  /// That sum up what bonds do, and of solutions with a factor that a stage of fracture keeps. What a stage
+  /// finds does not depend on their number.
   int threads = 1;
 };
 

@@ -29,8 +29,8 @@ bool suits_multigrid(const StaticBody& body) {
 
 }  // namespace
 
-TangentSolver::TangentSolver(LinearSolver wanted, FactorUse factors, int threads)
-    : wanted_(wanted), factors_(factors), kept_(factor_, threads) {}
+TangentSolver::TangentSolver(LinearSolver wanted, FactorUse factors, std::shared_ptr<Crew> crew)
+    : wanted_(wanted), factors_(factors), kept_(factor_, std::move(crew)) {}
 TangentSolver::~TangentSolver() = default;
 
 TangentSolver::Choice TangentSolver::choose(const StaticBody& body) {

@@ -67,9 +67,14 @@ class Assembly {
   struct Place {
     int first_i = -1, first_j = -1;  ///< unknowns; -1: of a pair that add() is for
     int own_i, own_j, i_in_j, j_in_i;
+    bool is_there() const { return first_i >= 0; }
   };
   Place place_of(ParticleId i, ParticleId j) const;
-  void add_symmetric(const Place& at, const double (&K)[12][12]);
+  /// Columns of i alone, or of j: threads that have particles of their own add to these.
+  struct Ends {
+    bool i = true, j = true;
+  };
+  void add_symmetric(const Place& at, const double (&K)[12][12], Ends ends);
 
  private:
   struct Offsets {

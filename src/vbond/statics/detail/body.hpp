@@ -15,6 +15,7 @@
 #include "vbond/model/static_stage.hpp"
 #include "vbond/physics/tangent.hpp"
 #include "vbond/statics/detail/assembly.hpp"
+#include "vbond/statics/detail/bond_shares.hpp"
 #include "vbond/statics/detail/matrix.hpp"
 #include "vbond/statics/detail/placement.hpp"
 #include "vbond/statics/detail/rigid.hpp"
@@ -63,6 +64,8 @@ class StaticBody {
   StaticBody(const Model& model, const StaticStage& stage, State state, double load_factor = 0.0);
   StaticBody(const StaticBody&) = delete;
   StaticBody& operator=(const StaticBody&) = delete;
+  /// From now on these threads sum up what bonds do; what comes of it does not depend on their number.
+  void sum_with(std::shared_ptr<Crew> crew);
 
   const Model& model() const { return model_; }
   const StaticStage& stage() const { return stage_; }
@@ -276,6 +279,9 @@ class StaticBody {
     touching_.for_each(model_, state_, visit);
   }
   const Loaded& loads_at_hand() const;
+  void push(ParticleId i, ParticleId j, const Image& of_j, const Vec3d& F, Loaded& l) const;
+  void add_bonds(Loaded& l) const;
+  void add_bonds_in_lanes(Stiffness& s) const;
   const Stiffness& stiffness_at_hand() const;
   void add_applied(double load_factor, Loads& loads) const;
   Loads applied_loads(double load_factor) const;
@@ -337,6 +343,7 @@ class StaticBody {
   std::array<double, 6> cell_found_{};  // components at held_at_
   Relief relief_;
   PerParticle<char> bonded_;
+  BondShares shares_;
   // of bodies that flow: what bonds remembered at the last accepted balance, and at the one before it
   PerBond<BondHistory> accepted_, accepted_before_;
   PerBond<BondHistory> of_tangent_;  // remembered_of_tangent()

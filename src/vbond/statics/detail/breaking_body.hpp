@@ -99,6 +99,7 @@ class BreakingBody {
   const Model& model_;
   const StaticHooks& hooks_;
   StaticResult& result_;
+  std::shared_ptr<Crew> crew_;
   std::unique_ptr<StaticStage> stage_;  // with the supports that hold free parts
   std::vector<HeldPart> held_;          // those
   std::shared_ptr<const State> begun_;  // as body_ was made

@@ -41,10 +41,11 @@ class WaitingBonds {
   BondLanes lanes_;
 };
 
-/// All bonds that hold, in their order. Those that may go together, as may(k) says and their law allows:
-/// work(loops, lanes) for some of them, then each(k, lanes, lane); alone(k) for others.
-template <class May, class Work, class Each, class Alone>
-void for_bonds_in_lanes(const State& s, May&& may, Work&& work, Each&& each, Alone&& alone) {
+/// Those of these bonds that hold, in their order. Those that may go together, as may(k) says and their law
+/// allows: work(loops, lanes) for some of them, then each(k, lanes, lane); alone(k) for others.
+template <class Bonds, class May, class Work, class Each, class Alone>
+void for_bonds_in_lanes(const State& s, const Bonds& bonds, May&& may, Work&& work, Each&& each,
+                        Alone&& alone) {
   const BondLaneKernel& kernel = bond_lane_kernel();
   WaitingBonds waiting;
   const BondLaneLoops* loops = nullptr;
@@ -55,7 +56,7 @@ void for_bonds_in_lanes(const State& s, May&& may, Work&& work, Each&& each, Alo
     for (std::size_t l = 0; l < waiting.number(); ++l) each(waiting.bond(l), lanes, l);
     waiting.empty();
   };
-  for (const BondId k : s.bonds.ids()) {
+  for (const BondId k : bonds) {
     const Bond& b = s.bonds[k];
     if (b.broken) continue;
     const BondLaneLoops* own = may(k) ? lane_loops(kernel, *b.law, *b.rules) : nullptr;

@@ -1,9 +1,12 @@
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <random>
+#include <utility>
 #include <vector>
 
+#include "vbond/core/crew.hpp"
 #include "vbond/statics/detail/factor.hpp"
 #include "vbond/statics/detail/gradients.hpp"
 #include "vbond/statics/detail/matrix.hpp"
@@ -29,8 +32,9 @@ namespace vbond {
 /// together, take half of the iterations of one of 1e-9.
 class KeptFactor {
  public:
-  /// Keeps a reference. threads: of solutions; what they find does not depend on their number.
-  explicit KeptFactor(Factor& factor, int threads = 1) : factor_(factor), single_(threads) {}
+  /// Keeps a reference. What comes of it does not depend on how many threads there are.
+  explicit KeptFactor(Factor& factor, std::shared_ptr<Crew> crew = std::make_shared<Crew>(1))
+      : factor_(factor), crew_(std::move(crew)), single_(crew_) {}
 
   /// The factor has just been made, of this matrix.
   void begin(const SparseMatrix& A);
@@ -95,6 +99,7 @@ class KeptFactor {
   double smallest_ritz_value(const GradientsMade& c) const;
 
   Factor& factor_;
+  std::shared_ptr<Crew> crew_;
   SingleFactor single_;
   bool in_single_ = false;  // single_ is used
   SparseMatrix M_;

@@ -1,8 +1,10 @@
 #pragma once
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 
+#include "vbond/core/crew.hpp"
 #include "vbond/statics/detail/newton.hpp"
 #include "vbond/statics/fracture_under_way.hpp"
 #include "vbond/statics/statics.hpp"
@@ -98,6 +100,8 @@ StaticStage from_stress_found(const Model& model, const StaticStage& stage, cons
 
 /// Tells the user something about this stage, if anybody listens.
 void tell(const StaticStage& stage, const StaticHooks& hooks, const std::string& text);
+/// As many threads as hooks say.
+std::shared_ptr<Crew> crew_of(const StaticHooks& hooks);
 /// Tells, where pressure acts on a surface with a free edge, that it has no energy.
 void tell_of_pressure(const StaticBody& body, const StaticHooks& hooks);
 /// Throws NoEquilibrium there: for buckling, fracture, modes and bifurcations, which are those of a

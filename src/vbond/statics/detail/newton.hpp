@@ -23,8 +23,9 @@ enum class FactorUse { new_each_time, kept_if_cheaper, kept };
 /// the order of elimination only when the pattern has changed.
 class TangentSolver {
  public:
-  /// threads: of solutions by a kept factor.
-  explicit TangentSolver(LinearSolver wanted, FactorUse factors = FactorUse::new_each_time, int threads = 1);
+  /// crew: of solutions by a kept factor.
+  explicit TangentSolver(LinearSolver wanted, FactorUse factors = FactorUse::new_each_time,
+                         std::shared_ptr<Crew> crew = std::make_shared<Crew>(1));
   ~TangentSolver();
 
   enum class Choice { direct, multigrid, none };

@@ -22,7 +22,7 @@ namespace vbond {
 /// solve() at a time.
 class SingleFactor {
  public:
-  explicit SingleFactor(int threads = 1);
+  explicit SingleFactor(std::shared_ptr<Crew> crew = std::make_shared<Crew>(1));
   /// Takes these blocks, block s from values + at[s] on, column by column, each of the height of the block.
   void take(const FactorBlocks& blocks, const std::vector<std::size_t>& at, const double* values);
   /// x with P^T L L^T P x = b, for each column; up to four take little longer than one. The same to the bit
@@ -44,7 +44,7 @@ class SingleFactor {
   void forward(int block, int sides, double* x, double* local) const;
   void backward(int block, int sides, double* x, double* local) const;
 
-  std::unique_ptr<Crew> crew_;
+  std::shared_ptr<Crew> crew_;
   /// Rows that are columns of the top, which are of no branch, have numbers in the copy of these that each
   /// branch has behind the columns of all.
   FactorBlocks blocks_;

@@ -25,8 +25,8 @@ struct StripOfFactor {
 /// as the columns of the strip have.
 using StripStep = void (*)(const StripOfFactor& L, double* x, std::ptrdiff_t stride);
 
-/// X - Z part for so many columns of X, `rows` long each and `stride` apart; Z has `rank` columns that follow
-/// each other; part has so many rows, one after the other.
+/// X - Z part for so many columns of X, `rows` long each. Z has `rank` columns, which lie `stride` apart, as
+/// those of X do; part has so many rows, one after the other.
 using SubtractProduct = void (*)(const double* Z, std::ptrdiff_t rows, int rank, const double* part,
                                  double* X, std::ptrdiff_t stride);
 
