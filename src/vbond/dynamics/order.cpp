@@ -13,7 +13,7 @@ namespace vbond {
 namespace {
 
 /// Not a matter of the number of threads, as results must not depend on it.
-constexpr std::size_t slab_rows = 8 * block_rows;
+constexpr std::size_t slab_rows = 32 * block_rows;
 
 /// The layer of each particle along the body's longest, middle and shortest direction.
 using Layers = std::array<std::int64_t, 3>;

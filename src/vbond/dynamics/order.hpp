@@ -34,7 +34,7 @@ class RowOf {
 };
 
 /// Which particle stands in which row, and back. All particles have a row. Of a body that is stepped in
-/// parts, each by a process of its own, the first rows are those of the part. They are taken 1024 at a time;
+/// parts, each by a process of its own, the first rows are those of the part. They are taken 4096 at a time;
 /// in each such slab those that are sent come last, so that few blocks have any. Then come its own ghosts,
 /// particles of other parts and images of any that it may touch or is bonded to. All others may share one row
 /// behind these; what stands there is not known.
