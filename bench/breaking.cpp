@@ -60,7 +60,7 @@ std::pair<double, std::size_t> run(std::size_t edge, int steps, int threads, dou
   for (int k = 0; k < steps; ++k) run.step();
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   std::size_t broken = 0;
-  for (const Bond& bond : run.bonds()) broken += bond.broken;
+  for (const Bond& bond : run.state().bonds) broken += bond.broken;
   return {seconds, broken};
 }
 
