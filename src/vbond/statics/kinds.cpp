@@ -180,7 +180,8 @@ void refuse_not_finite(const StaticBody& body) {
 }
 
 std::shared_ptr<Crew> crew_of(const StaticHooks& hooks) {
-  return std::make_shared<Crew>(static_cast<std::size_t>(std::max(hooks.threads, 1)));
+  constexpr int most = 8;  // a factor has about so many branches, and slabs become thin
+  return std::make_shared<Crew>(static_cast<std::size_t>(std::clamp(hooks.threads, 1, most)));
 }
 
 void tell(const StaticStage& stage, const StaticHooks& hooks, const std::string& text) {

@@ -22,7 +22,7 @@ struct StaticHooks {
   /// be empty.
   std::function<void(const StaticPoint&)> goes_on = {};
   /// That sum up what bonds do, and of solutions with a factor that a stage of fracture keeps. What a stage
-  /// finds does not depend on their number.
+  /// finds does not depend on their number; more than eight are not used.
   int threads = 1;
 };
 

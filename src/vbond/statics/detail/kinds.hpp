@@ -100,7 +100,7 @@ StaticStage from_stress_found(const Model& model, const StaticStage& stage, cons
 
 /// Tells the user something about this stage, if anybody listens.
 void tell(const StaticStage& stage, const StaticHooks& hooks, const std::string& text);
-/// As many threads as hooks say.
+/// As many threads as hooks say, but eight at most.
 std::shared_ptr<Crew> crew_of(const StaticHooks& hooks);
 /// Tells, where pressure acts on a surface with a free edge, that it has no energy.
 void tell_of_pressure(const StaticBody& body, const StaticHooks& hooks);
