@@ -313,12 +313,12 @@ void print_solvers(Run& run) {
   if (const auto* first = std::get_if<StaticStage>(&run.prepare()))
     print(*first, solver_of(run.model(), *first, run.current()));
   if (!any_later_static(run.stages())) return;
-  Outlook outlook{run.current()};
+  Outlook outlook = run.outlook();
   for (std::size_t k = 1; k < run.stages().size(); ++k) {
     const AnyStage stage = run.stages().look_ahead(k, run.model(), outlook);
     const auto* later = std::get_if<StaticStage>(&stage);
     if (!later || !outlook.pairs_known) continue;
-    const SolverChoice choice = solver_of(run.model(), *later, outlook.state);
+    const SolverChoice choice = solver_of(run.model(), *later, outlook.state());
     if (will_be_refused(choice)) print(*later, choice);
   }
 }

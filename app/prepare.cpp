@@ -38,8 +38,7 @@ Stage expected_times(const StageSpec& spec, const Model& model, double dt) {
 
 std::vector<StepAhead> steps_ahead(const Case& c, const Run& run) {
   std::vector<StepAhead> ahead(c.stages.size());
-  Outlook outlook;
-  if (run.stage_index() + 1 < c.stages.size()) outlook.state = run.current();  // a copy of all of it
+  Outlook outlook = run.outlook();
   for (std::size_t k = run.stage_index() + 1; k < c.stages.size(); ++k) {
     const AnyStage later = run.stages().look_ahead(k, run.model(), outlook);
     const auto* stage = std::get_if<Stage>(&later);

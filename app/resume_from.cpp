@@ -101,6 +101,7 @@ Checkpoint resume_from(Processes& processes, const Case& c, Built& built, const 
     }
     built.state = {};
   });
+  if (built.own != nullptr) count_bonds_of_each(*built.own, checkpoint.state);  // some have broken
   check_edits(c, checkpoint.state.clock, !processes.exchange().any(!all_kept), folder / "resolved.toml");
   check_stages(c, checkpoint.state.clock, folder);
   return checkpoint;

@@ -63,7 +63,8 @@ void begin_dynamics(Campaign& campaign, const Stage& stage) {
   campaign.progress->expect(steps_of_stages(campaign.c, campaign.run.model(), campaign.ahead,
                                             campaign.run.stage_index(), stage.dt));
   if (begins && clock.stage == 0) return;  // told before the run
-  if (begins && !known) return print_step(campaign.c, campaign.run.model(), campaign.run.current(), stage);
+  if (begins && !known)
+    return print_step(campaign.c, campaign.run.model(), campaign.run.body_at_start(), stage);
   for (const std::string& line : times_not_met(stage)) campaign.tell(line);
 }
 

@@ -69,7 +69,7 @@ def stage(rng, name, groups, walled, opened):
     return text
 
 
-def random_case(rng):
+def random_case(rng, stages=None):
     blocks, contact = rng.randint(1, 3), rng.random() < 0.4
     periodic = rng.random() < 0.4
     if periodic:
@@ -100,7 +100,8 @@ def random_case(rng):
                  f"angular_velocity = {vector(rng, 0.08) if not periodic else [0, 0, 0]}\n")  # faces cut what turns
     text += f'[[velocities]]\ngroup = "all"\nkind = "gaussian"\nmagnitude = 1e-3\nseed = {rng.randint(1, 999)}\n'
     text += '[time]\nfraction = 0.1\n'
-    text += "".join(stage(rng, f"stage_{k}", names, walled, opened) for k in range(rng.randint(1, 2)))
+    stages = rng.randint(1, 2) if stages is None else stages
+    text += "".join(stage(rng, f"stage_{k}", names, walled, opened) for k in range(stages))
     return text + ('[output.history]\nevery = "0.2 T0"\ndisplacements = ["block_0", 0]\nvelocities = ["block_0", "all"]\n'
                    'axial_force = ["block_0"]\nstress = [{group = "block_0", volume = 10.0}, {group = "all", volume = 20.0}]\n'
                    "[watch]\nevery = 20\n")

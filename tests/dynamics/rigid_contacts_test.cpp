@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <thread>
 #include <vector>
 
 #include "clouds.hpp"
+#include "processes.hpp"
 #include "spheres_and_walls.hpp"
 #include "vbond/model/contact_bound.hpp"
 #include "vbond/model/rigid_bodies.hpp"
@@ -150,6 +152,38 @@ TEST(RigidContacts, MemoryOfPairsTurnsWithTheirBody) {
   EXPECT_EQ(now[3], 0.2);
   EXPECT_EQ(state.contact_history[0].kept, 0.02);
   EXPECT_NEAR(state.books.work_supports, 0.0, 1e-12);  // as much as was taken
+}
+
+// Parts that know the memories of their own pairs alone book together what one machine books.
+TEST(RigidContacts, PartsBookTogetherWhatTheBodyTakesHoldOf) {
+  for (const std::size_t parts : {2u, 3u}) {
+    Specimen s = row(6, 0.1, testing::linear(k, 0.4));
+    for (std::size_t i = 0; i + 1 < 6; ++i) {
+      PairMemory m{.i = ParticleId{i}, .j = ParticleId{i + 1}};
+      m.history = {0, 3, 1, 0.2, 5, 6, 7, 8, 0.1, 0.2, 0.3, 0.4};
+      s.state.contact_history.push_back(m);
+    }
+    const std::vector<Support> held{grip(first(5), nothing)};
+    State whole = s.state;
+    take_hold(s.model, held, whole);
+    ASSERT_NE(whole.books.work_supports, 0.0);
+    testing::Meeting meeting(parts);
+    std::vector<State> of_part(parts, s.state);
+    std::vector<std::thread> threads;
+    for (std::size_t part = 0; part < parts; ++part)
+      threads.emplace_back([&, part] {
+        const testing::Process process(meeting, part);
+        const auto has = [&](ParticleId p) { return p.value % parts == part; };
+        std::erase_if(of_part[part].contact_history, [&](const PairMemory& m) { return !has(m.i); });
+        take_hold(s.model, held, of_part[part], has, process);
+      });
+    for (std::thread& t : threads) t.join();
+    for (const State& state : of_part) {
+      EXPECT_NEAR(state.books.work_supports, whole.books.work_supports,
+                  1e-14 * std::abs(whole.books.work_supports));
+      for (const PairMemory& m : state.contact_history) EXPECT_TRUE(m == whole.contact_history[m.i.value]);
+    }
+  }
 }
 
 // Overlap that a pair does not feel it does not feel after its time in a body either; a checkpoint within

@@ -188,6 +188,29 @@ TEST_P(OwnBonds, AreThoseOfTheWholeBodyByNameAndNoProcessHasMore) {
   }
 }
 
+/// A run that goes on: bonds that have broken since hold nobody.
+TEST(OwnBondsOf, ParticlesThatHaveLostSomeCountThoseThatHold) {
+  const Case c = parsed(block);
+  const auto is_broken = [](BondId name) { return name.value % 3 == 0; };
+  State whole = build(c, 1).state;
+  for (const BondId k : whole.bonds.ids()) whole.bonds[k].broken = is_broken(k);
+  std::vector<Made> made = made_by(c, 2);
+  testing::Meeting meeting(2);
+  std::vector<std::thread> threads;
+  for (std::size_t k = 0; k < 2; ++k)
+    threads.emplace_back([&, k] {
+      const testing::Process process(meeting, k);
+      State& state = made[k].built.state;
+      BondsFromSetUp& own = *made[k].built.own;
+      own.all = &process;
+      for (const BondId b : state.bonds.ids()) state.bonds[b].broken = is_broken(own.part.names[b]);
+      count_bonds_of_each(own, state);
+      own.all = nullptr;
+    });
+  for (std::thread& t : threads) t.join();
+  for (const Made& m : made) EXPECT_EQ(m.built.own->bonds, BodyPart(whole).bonds_of_each());
+}
+
 TEST(OwnBondsOf, CasesThatAskForTheWholeBodyAreNotCutUp) {
   EXPECT_TRUE(may_keep_own_bonds(parsed(mixed)));
   const auto without = [](const std::function<void(Case&)>& change) {
@@ -196,8 +219,14 @@ TEST(OwnBondsOf, CasesThatAskForTheWholeBodyAreNotCutUp) {
     change(c);
     return !may_keep_own_bonds(c);
   };
-  EXPECT_TRUE(without([](Case& c) { c.stages.push_back(c.stages[0]); }));
+  EXPECT_FALSE(without([](Case& c) { c.stages.push_back(c.stages[0]); }));
+  EXPECT_TRUE(
+      without([](Case& c) { c.stages.push_back(c.stages[0]), c.stages[1].pressures.emplace_back(); }));
   EXPECT_TRUE(without([](Case& c) { c.stages[0].kind = StageKind::equilibrium; }));
+  EXPECT_TRUE(without([](Case& c) {
+    c.cell.emplace();
+    c.stages[0].supports.emplace_back().rigid = true;
+  }));
   EXPECT_TRUE(without([](Case& c) { c.bonds[0].when = BondTime::stage; }));
   EXPECT_TRUE(without([](Case& c) { c.bonds[0].when = BondTime::approach; }));
   EXPECT_TRUE(without([](Case& c) { c.bonds[0].recipe.capsule = true; }));

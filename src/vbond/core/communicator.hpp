@@ -22,6 +22,8 @@ class Communicator {
   /// Numbers become the sum, or the largest, of those of all processes.
   virtual void sum(std::span<double> /*numbers*/) const {}
   virtual void max(std::span<double> /*numbers*/) const {}
+  /// Counts become the sum of those of all processes, some at a time.
+  void sum_counts(std::span<std::uint32_t> counts) const;
   /// How many processes there are, and which of them this is, from 0.
   virtual int ranks() const { return 1; }
   virtual int rank() const { return 0; }

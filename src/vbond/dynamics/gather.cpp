@@ -95,15 +95,26 @@ void gather_particles(Model& model, const std::vector<ParticleId>& own, const Co
   for_each_shared_column(model, [&bring](auto& column) { bring(column); });
 }
 
+void gather_masses(Model& model, const std::vector<ParticleId>& own, const Communicator& all) {
+  Bring<ParticleId> bring(own, all);
+  for_each_shared_column(model, [&](auto& column) {
+    if (static_cast<const void*>(&column) != &model.r_0) bring(column);
+  });
+}
+
+void gather_places(State& state, const std::vector<ParticleId>& own, const Communicator& all) {
+  Bring<ParticleId>(own, all)(state.r);
+}
+
 void gather_owned(State& state, const std::vector<ParticleId>& own_particles,
-                  const std::vector<BondId>& own_bonds, bool has_all_bonds, const Exchange& exchange) {
-  gather_particles(state, own_particles, exchange);
-  Bring<BondId> bring_bonds(own_bonds, exchange);
+                  const std::vector<BondId>& own_bonds, bool has_all_bonds, const Communicator& all) {
+  gather_particles(state, own_particles, all);
+  Bring<BondId> bring_bonds(own_bonds, all);
   if (has_all_bonds)
     for_each_owned_column<BondId>(state, [&bring_bonds](auto& column) {
       if (!column.empty()) bring_bonds(column);
     });
-  for_each_list(state, [&exchange](auto& rows) { rows = in_order_of_places(exchange.gather(rows)); });
+  for_each_list(state, [&all](auto& rows) { rows = in_order_of_places(all.gather(rows)); });
 }
 
 }  // namespace vbond

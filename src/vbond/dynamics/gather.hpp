@@ -31,10 +31,15 @@ void gather_particles(State& state, const std::vector<ParticleId>& own, const Co
 /// still whole.
 void keep_particles(Model& model, const std::shared_ptr<const IdSet<ParticleId>>& some);
 void gather_particles(Model& model, const std::vector<ParticleId>& own, const Communicator& all);
+/// All of these but first places.
+void gather_masses(Model& model, const std::vector<ParticleId>& own, const Communicator& all);
+
+/// Of what belongs to particles the state has all places again, and else what it had.
+void gather_places(State& state, const std::vector<ParticleId>& own, const Communicator& all);
 
 /// What belongs to particles and bonds, and what parts list, comes to all parts. What is this part's own has
 /// been collected from its rows. has_all_bonds: else bonds are left as they are.
 void gather_owned(State& state, const std::vector<ParticleId>& own_particles,
-                  const std::vector<BondId>& own_bonds, bool has_all_bonds, const Exchange& exchange);
+                  const std::vector<BondId>& own_bonds, bool has_all_bonds, const Communicator& all);
 
 }  // namespace vbond

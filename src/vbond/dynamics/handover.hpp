@@ -1,5 +1,6 @@
 #pragma once
 #include <optional>
+#include <vector>
 
 #include "vbond/dynamics/part_bonds.hpp"
 #include "vbond/model/passage.hpp"
@@ -12,7 +13,8 @@ namespace vbond {
 struct PartHandedOver {
   PartBonds bonds;
   SharedByBonds shared;
-  double mass_of_all = 0;  ///< of the whole body  [mass]
+  std::vector<ParticleId> particles;  ///< its own that are present, in increasing order
+  double mass_of_all = 0;             ///< of the whole body  [mass]
 };
 
 /// What another Simulation of the stage goes on from.

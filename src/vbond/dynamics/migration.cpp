@@ -24,7 +24,7 @@ OfEach<T> for_each_of(const Communicator& all) {
   return OfEach<T>(static_cast<std::size_t>(all.ranks()));
 }
 
-/// What a state and a model have of some particles alone.
+/// What a state and a model have of some particles alone; what they have of all stays.
 template <class Visit>
 void for_each_partial_column(State& state, Model& model, Visit visit) {
   const auto visit_partial = [&visit](auto& column) {

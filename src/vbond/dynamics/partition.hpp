@@ -42,6 +42,7 @@ struct Share {
 struct Acquaintance {
   double reach = 0;
   bool knows_all = false;
+  bool operator==(const Acquaintance&) const = default;
 };
 Acquaintance acquaintance(const Model& model, const Stage& stage, const State& state);
 /// The second of these. Else the state of a process has its own bonds alone.
@@ -64,8 +65,9 @@ class Partition : public Exchange {
   virtual Share spread(const Model& model, const State& state, double reach, bool knows_all) = 0;
   /// The same body, whose particles have moved since.
   virtual Share spread_anew(const Model& model, const State& state) = 0;
-  /// The same, of which each process has its part alone: particles go from one to another, and state and
-  /// model are then those of the new parts.
+  /// The same, of which each process has its part, and perhaps more: particles go from one to another, and
+  /// state and model have then what belongs to the new parts. Also as a stage begins after another one in
+  /// which as much was to be known.
   virtual Share migrate(Model& model, State& state, PartHandedOver part) = 0;
   std::int64_t steps_between_meetings() const override { return 64; }
 };

@@ -85,7 +85,10 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
                               : std::accumulate(model.mass.begin(), model.mass.end(), 0.0)),
       stage_(std::move(stage)),
       state_(std::move(*state)),
-      before_hold_(take_hold(model, stage_.supports, state_)),
+      before_hold_(take_hold(
+          model, stage_.supports, state_,
+          [&](ParticleId p) { return exchange == nullptr || share.order.has(p); },
+          exchange != nullptr ? *exchange : alone())),
       booked_(state_.books),
       is_part_(exchange != nullptr),
       part_bonds_(keep_part(model, stage_, share, exchange, state_, shared_)),

@@ -108,8 +108,11 @@ Handover Simulation::handover_of_part() && {
   show_own();
   show_loads();
   books();
+  std::vector<ParticleId> own = own_particles();
   make_room();
-  return {std::move(state_), {}, PartHandedOver{std::move(part_bonds_), std::move(shared_), mass_of_all_}};
+  return {std::move(state_),
+          {},
+          PartHandedOver{std::move(part_bonds_), std::move(shared_), std::move(own), mass_of_all_}};
 }
 
 void Simulation::take_over(Simulation& before, const Passage& passed, double seconds) {

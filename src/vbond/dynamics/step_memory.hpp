@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 
+#include "vbond/model/body_part.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
 
@@ -24,6 +25,12 @@ inline constexpr double model_bytes_per_particle = 3 * sizeof(double) + sizeof(s
 /// orientations and velocities, too, those of its own particles and of few others; or so of first places as
 /// well.
 enum class RanksKeep : std::uint8_t { all_bonds, own_bonds, own_motion, own_first_places };
+/// By what a rank has as it is set up.
+inline RanksKeep kept_by(const Model& model, const BodyPart& body) {
+  if (body.has_all_bonds()) return RanksKeep::all_bonds;
+  if (body.state.v.holds_all()) return RanksKeep::own_bonds;
+  return model.r_0.holds_all() ? RanksKeep::own_motion : RanksKeep::own_first_places;
+}
 
 /// About the most that each of so many ranks, >= 1, takes, with program, MPI and LAMMPS. In the time loop
 /// rows of particles, constants and index of bonds are shared out, and bonds, state and model if ranks keep

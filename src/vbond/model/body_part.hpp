@@ -39,16 +39,16 @@ struct PartBonds {
   }
 };
 
-/// What one of several processes knows of the bonds of a body from its set-up on, while it still has all
-/// particles, but perhaps for some of their orientations and velocities, and its own bonds alone. `all` is
-/// nullptr: the state has all bonds.
+/// What one of several processes knows of the bonds of a body from its set-up on, and again between stages,
+/// while it has all particles, but perhaps for some of their orientations and velocities, and its own bonds
+/// alone. `all` is nullptr: the state has all bonds.
 struct BondsFromSetUp {
   PartBonds part;                    ///< names of those that it keeps; its `others` are empty
   PerParticle<char> own;             ///< whether each particle is its own
-  PerParticle<std::uint32_t> bonds;  ///< of each particle, own or not
+  PerParticle<std::uint32_t> bonds;  ///< that hold, of each particle, own or not
   std::size_t whole = 0;             ///< how many bonds the body has
-  std::vector<Bond> kinds;  ///< in the whole body the first ones of each law and of all rules, in order
-  PerBond<Bond> first;      ///< of the first pair of the body
+  std::vector<Bond> kinds;  ///< as it is set up, the first of the whole body of each law and of all rules
+  PerBond<Bond> first;      ///< then, of the first pair of the body
   const Communicator* all = nullptr;
 };
 
@@ -57,6 +57,14 @@ inline std::vector<ParticleId> own_particles(const BondsFromSetUp& known) {
   for (const ParticleId p : known.own.ids())
     if (known.own[p] != 0) own.push_back(p);
   return own;
+}
+
+/// How many bonds hold each particle in such a state; all processes call this together.
+inline void count_bonds_of_each(BondsFromSetUp& known, const State& state) {
+  known.bonds.assign(state.r.size(), 0);
+  for (const Bond& b : state.bonds)
+    if (!b.broken) ++known.bonds[b.i], ++known.bonds[b.j];
+  known.all->sum_counts({known.bonds.data(), known.bonds.size()});
 }
 
 /// What one process sees of a body that several may share: sums over what is its own, added up, are of the

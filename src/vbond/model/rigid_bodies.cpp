@@ -76,6 +76,12 @@ void BeforeHold::put_back(State& s) && {
 }
 
 std::optional<BeforeHold> take_hold(const Model& model, const std::vector<Support>& supports, State& s) {
+  return take_hold(
+      model, supports, s, [](ParticleId) { return true; }, alone());
+}
+
+std::optional<BeforeHold> take_hold(const Model& model, const std::vector<Support>& supports, State& s,
+                                    const std::function<bool(ParticleId)>& has, const Communicator& all) {
   std::vector<Carried> carried = carried_by(supports);
   if (carried == s.carried) return std::nullopt;
   BeforeHold before_hold(s);
@@ -84,7 +90,7 @@ std::optional<BeforeHold> take_hold(const Model& model, const std::vector<Suppor
   double gained = 0.0;
   for_holding_pairs(model, s, [&](ParticleId i, ParticleId j, const Image& n, double overlap) {
     const bool was_out = before.are_one(i, j, n), is_out = now.are_one(i, j, n);
-    if (was_out == is_out) return;
+    if (was_out == is_out || !has(std::min(i, j))) return;
     const TouchForms forms = touch_forms(model.contact);
     const TouchNumbers<double> numbers = touch_numbers(model, i, j);
     double U = normal_energy(forms, numbers, reduced_radius(model.radius[i], model.radius[j]), overlap);
@@ -93,11 +99,13 @@ std::optional<BeforeHold> take_hold(const Model& model, const std::vector<Suppor
     gained += was_out ? U : -U;
   });
   for (PairMemory& m : s.contact_history) {
+    if (!has(std::min(m.i, m.j))) continue;
     const bool was_out = before.are_one(m.i, m.j, m.image_j), is_out = now.are_one(m.i, m.j, m.image_j);
     if (was_out && !is_out) m.history = turned(s.q[m.i], m.history);
     if (!was_out && is_out) m.history = without_damping(turned(conjugate(s.q[m.i]), m.history));
   }
   s.carried = std::move(carried);
+  all.sum({&gained, 1});
   s.books.work_supports += gained;
   s.loads = s.damping = s.local_damping = {};  // of a stage under way that is given other supports
   return before_hold;

@@ -1,9 +1,11 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
+#include "vbond/core/communicator.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/stage.hpp"
 #include "vbond/model/state.hpp"
@@ -46,7 +48,11 @@ class BeforeHold {
 /// The bodies of a stage that begins take the place of those of the stage before. Energy of contacts that are
 /// left out or come back by this is booked as work of supports. What a pair remembers is kept while it is out
 /// of contact, along the axes of its first particle, so that it turns with the body; the damping of its last
-/// step is not. Nothing happens if the state has these bodies already. Takes the state of a whole body.
+/// step is not. Nothing happens if the state has these bodies already.
 std::optional<BeforeHold> take_hold(const Model& model, const std::vector<Support>& supports, State& state);
+/// The same of a body in parts, which call this together. Each knows the places of all particles, and what
+/// the pairs remember whose lower number is its own (has).
+std::optional<BeforeHold> take_hold(const Model& model, const std::vector<Support>& supports, State& state,
+                                    const std::function<bool(ParticleId)>& has, const Communicator& all);
 
 }  // namespace vbond

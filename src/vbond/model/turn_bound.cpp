@@ -38,8 +38,11 @@ struct Spinning {
 Spinning fastest_spin(const BodyPart& body, const std::vector<char>& feels) {
   const PerParticle<Vec3d>& omega = body.state.omega;
   Spinning fastest;
+  const auto is_told_here = [&](ParticleId p) {  // of others it may be that of another time
+    return omega.holds_all() || body.has_pair_of(p);
+  };
   for (const ParticleId p : omega.ids()) {
-    if (feels[p.value] == 0 || !omega.holds(p)) continue;
+    if (feels[p.value] == 0 || !omega.holds(p) || !is_told_here(p)) continue;
     const double rate = norm(omega[p]);
     if (rate > fastest.rate) fastest = {p, rate};
   }

@@ -167,8 +167,9 @@ Share Ranks::spread(const Model& model, const State& state, double reach, bool k
   return share_of(model, state);
 }
 
-/// Those that it had before.
+/// Those that it had before. Where bonds alone act they stay.
 std::vector<ParticleId> Ranks::redistribute(const Model& model, const State& state) {
+  if (!domains_) return own_;
   PerParticle<Vec3d> room;
   domains_->redistribute(straightened(model, state, room), work_of(model, state));
   std::vector<ParticleId> before = std::exchange(own_, present_of(*domains_, state));

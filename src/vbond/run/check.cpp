@@ -32,9 +32,14 @@ Problem problem_of(const NoEquilibrium& refusal, const SourcePlace& place) {
           end == std::string::npos ? "hold the body" : text.substr(end + 3)};
 }
 
-/// Takes the temperatures of particles from the start of a stage to its end. False: they depend on when it
-/// ends.
-bool go_on(PerParticle<double>& temperature, const AnyStage& stage) {
+/// Takes the temperatures of particles (empty: 0) from the start of a stage to its end. False: they depend on
+/// when it ends.
+bool go_on(PerParticle<double>& temperature, std::size_t particles, const AnyStage& stage) {
+  std::visit(
+      [&](const auto& s) {
+        if (!s.heating.empty()) temperature.resize(particles);
+      },
+      stage);
   if (const auto* statics = std::get_if<StaticStage>(&stage)) {
     for (const Heating& h : statics->heating)
       for (const ParticleId p : h.particles) temperature[p] += h.temperature;
@@ -65,19 +70,18 @@ bool is_told(const std::vector<StageRefusal>& found, const Problem& p) {
 void Run::look_at_balance(std::size_t k, const StaticStage& stage, const Outlook& outlook,
                           std::vector<StageRefusal>& found) const {
   const bool now = k == stage_index();
-  if (now && under_way_) return;                                // it holds what has come off
-  if (!(now ? state_ : outlook.state).waiting.empty()) return;  // who is there then is not known
+  if (now && under_way_) return;                                  // it holds what has come off
+  if (!(now ? state_ : outlook.state()).waiting.empty()) return;  // who is there then is not known
   if (!now && (!outlook.pairs_known || model_.contact.law != ContactLaw::none)) return;
-  if (!now && !mistakes_in(stage.supports, outlook.state).empty())
+  if (!now && !mistakes_in(stage.supports, outlook.state()).empty())
     return;  // of bonds that may break till then
-  const auto refusal = refusal_of(model_, stage, now ? state_ : outlook.state);
-  if (!refusal || (!now && !refusal_of(model_, stage, anywhere(outlook.state)))) return;
+  const auto refusal = refusal_of(model_, stage, now ? state_ : outlook.state());
+  if (!refusal || (!now && !refusal_of(model_, stage, anywhere(outlook.state())))) return;
   found.push_back({k, problem_of(*refusal, stages_->place(k)), refusal});
 }
 
 /// Where the first stage cannot be made, what is known of its bonds.
 void Run::expect_bonds_of_first(Outlook& outlook) const {
-  outlook.state = state_;
   try {
     stages_->look_ahead(stage_index(), model_, outlook);
   } catch (const std::exception&) {  // told already; the outlook is complete
@@ -87,22 +91,21 @@ void Run::expect_bonds_of_first(Outlook& outlook) const {
 std::vector<StageRefusal> Run::refusals() {
   std::vector<StageRefusal> found;
   if (complete() || simulation_) return found;
-  Outlook outlook;
+  Outlook outlook = this->outlook();
   PerParticle<double> temperature = state_.temperature;
-  temperature.resize(state_.r.size());
   bool temperature_known = true;
   for (std::size_t k = stage_index(); k < stages_->size(); ++k) {
     try {
       const bool now = k == stage_index();
-      if (!now && outlook.state.r.empty()) outlook.state = state_;
-      if (!now) outlook.state.temperature = temperature;
+      if (!now && outlook.state().temperature != temperature) outlook.changed().temperature = temperature;
       const AnyStage stage = now ? prepare() : stages_->look_ahead(k, model_, outlook);
       if (now && std::holds_alternative<Stage>(stage) && !std::get<Stage>(stage).bonding.empty())
         outlook.pairs_known = outlook.bonds_known = false;
-      if (!temperature_known) outlook.state.warm_bonds.clear();  // what they have grown by
+      if (!temperature_known && !outlook.state().warm_bonds.empty())
+        outlook.changed().warm_bonds.clear();  // what they have grown by
       if (const auto* statics = std::get_if<StaticStage>(&stage))
         look_at_balance(k, *statics, outlook, found);
-      temperature_known = go_on(temperature, stage) && temperature_known;
+      temperature_known = go_on(temperature, state_.r.size(), stage) && temperature_known;
     } catch (const CaseError& e) {
       for (const Problem& p : e.problems())
         if (!is_told(found, p)) found.push_back({k, p, {}});

@@ -163,12 +163,8 @@ void require_memory(const Case& c, const RanksHere& ranks) {
 
 void require_memory(const Case& c, const Model& model, const BodyPart& body, const RanksHere& ranks) {
   if (ranks.all == 1) return;  // it is one process as any, of which this is told already
-  const RanksKeep keep = body.has_all_bonds()       ? RanksKeep::all_bonds
-                         : body.state.v.holds_all() ? RanksKeep::own_bonds
-                         : model.r_0.holds_all()    ? RanksKeep::own_motion
-                                                    : RanksKeep::own_first_places;
-  const double of_each =
-      memory_of_each_rank(model, body.state, static_cast<double>(count_bonds(body)), ranks.all, keep);
+  const double of_each = memory_of_each_rank(model, body.state, static_cast<double>(count_bonds(body)),
+                                             ranks.all, kept_by(model, body));
   require(ranks.number * of_each, "about", c, ranks, body.all);
 }
 

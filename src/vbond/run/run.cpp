@@ -3,12 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <limits>
 #include <stdexcept>
 #include <utility>
 
-#include "vbond/dynamics/gather.hpp"
 #include "vbond/model/bond_sums.hpp"
 #include "vbond/model/energies.hpp"
 #include "vbond/model/holds.hpp"
@@ -146,54 +144,6 @@ void Run::begin() {
   for (const auto& o : observers_) simulation_->add_observer(o);
 }
 
-/// Of this process; where it cannot be made, the run has its state back.
-std::unique_ptr<Simulation> Run::part_of(State state, Share share) {
-  share.model = &model_;
-  try {
-    return std::make_unique<Simulation>(model_, std::get<Stage>(*stage_), &state, std::move(share),
-                                        *partition_);
-  } catch (...) {
-    state_ = std::move(state);
-    throw;
-  }
-}
-
-/// Each process begins the stage with its part of the body.
-void Run::take_part() {
-  const auto& stage = std::get<Stage>(*stage_);
-  require(stage.on_unphysical == OnUnphysical::stop,
-          "several processes step the body: none may drop particles");
-  require(stage.pressures.empty(),
-          "several processes step the body: no pressure may act; take one process, with threads");
-  require(std::none_of(stage.supports.begin(), stage.supports.end(), is_free_grip),
-          "several processes step the body: no rigid group may be free in part");
-  require_able_to_begin(model_, stage, state_);
-  const Acquaintance known = acquaintance(model_, stage, state_);
-  Share share = partition_->spread(model_, state_, known.reach, known.knows_all);
-  share.begins = true;
-  if (own_ != nullptr) share.bonds = std::exchange(*own_, {});
-  own_.reset();
-  simulation_ = part_of(std::move(state_), std::move(share));
-}
-
-/// With another simulation of the stage under way, as from a checkpoint of the same moment. All bodies that
-/// are due have come in at once, so that the loop is set up anew once for all of them.
-void Run::set_up_anew() {
-  const auto begun = std::chrono::steady_clock::now();
-  Handover next = std::move(*simulation_).handover_of_part();
-  const std::unique_ptr<Simulation> before = std::exchange(simulation_, {});
-  if (partition_ == nullptr) {
-    state_ = std::move(next.state);
-    simulation_ = std::make_unique<Simulation>(model_, std::get<Stage>(*stage_), &state_, threads_);
-  } else {
-    Share share = next.part ? partition_->migrate(model_, next.state, *std::move(next.part))
-                            : partition_->spread_anew(model_, next.state);
-    simulation_ = part_of(std::move(next.state), std::move(share));
-  }
-  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begun;
-  simulation_->take_over(*before, next.passed, taken.count());
-}
-
 const std::vector<StageResult>& Run::run() {
   require_able();
   while (!complete())
@@ -268,12 +218,10 @@ void Run::close_stage(StopReason why) {
   sum_up_dropped();
   tell_stage_end(why, {});
   results_.push_back(result_of_dynamics(why));
-  if (partition_ != nullptr && stage_index() + 1 == stages_->size()) {
+  if (partition_ != nullptr && stage_index() + 1 == stages_->size())
     end_in_parts();
-  } else {
-    state_ = std::move(*simulation_).handover().state;
-    simulation_.reset();
-  }
+  else
+    hand_over();
   const auto& stage = std::get<Stage>(*stage_);
   const double time = static_cast<double>(state_.clock.stage_step) * stage.dt;
   if (hooks_.tell)
@@ -282,36 +230,6 @@ void Run::close_stage(StopReason why) {
   end_sources();
   stage_.reset();
   begin_next_stage(state_.clock);
-}
-
-/// No stage asks for the whole body: the state is what there is to say of the end of this one, until somebody
-/// does.
-void Run::end_in_parts() {
-  const State& known = simulation_->part(Show::bonds).state;
-  State end;
-  end.clock = known.clock;
-  end.cell = known.cell;
-  end.dropped = known.dropped, end.taken = known.taken, end.waiting = known.waiting;
-  end.sources = known.sources;
-  state_ = std::move(end);
-  ended_ = std::move(simulation_);
-}
-
-const State& Run::current() const {
-  if (simulation_) return simulation_->state();
-  if (const std::unique_ptr<Simulation> last = std::move(ended_)) {
-    State whole = std::move(*last).handover().state;
-    whole.clock = state_.clock;
-    whole.sources = std::move(state_.sources);
-    state_ = std::move(whole);
-  }
-  if (own_ != nullptr) {
-    const BondsFromSetUp own = std::exchange(*own_, {});
-    own_.reset();
-    if (!state_.v.holds_all()) gather_particles(state_, own_particles(own), *own.all);
-    state_ = with_all_bonds(std::move(state_), own.part, shared_by(own), *own.all);
-  }
-  return state_;
 }
 
 StageResult Run::result_of_dynamics(StopReason why) const {

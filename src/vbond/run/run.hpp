@@ -11,6 +11,7 @@
 #include "vbond/dynamics/observer.hpp"
 #include "vbond/dynamics/partition.hpp"
 #include "vbond/dynamics/simulation.hpp"
+#include "vbond/dynamics/step_memory.hpp"
 #include "vbond/model/drop.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
@@ -82,8 +83,12 @@ class Run {
   void spread_over(Partition& partition) { partition_ = &partition; }
   /// The state that the run begins with has the own bonds of this process alone, as build() has kept them: to
   /// be said before anything else is asked of the run, of which spread_over() must follow. The first stage
-  /// takes them over.
-  void begin_with_own_bonds(std::shared_ptr<BondsFromSetUp> own) { own_ = std::move(own); }
+  /// takes them over. So it is again between its stages, all of which must be fit for it
+  /// (may_keep_own_bonds): `own` says of which bonds the state is.
+  void begin_with_own_bonds(std::shared_ptr<BondsFromSetUp> own) {
+    own_ = std::move(own);
+    keep_ = kept_by(model_, body_at_start());
+  }
   /// The state that the run begins with is of a stage of fracture, which goes on from there: its under_way()
   /// of then. Throws if it is not of that stage and point.
   void go_on_within(std::shared_ptr<const FractureUnderWay> then);
@@ -133,9 +138,10 @@ class Run {
   /// The same without a copy, good until the run goes on or is changed. While several processes step the
   /// body, and once after its last stage, they collect it from each other.
   const State& current() const;
-  /// The body as the run begins, before it steps: of its bonds each process may have its own. Keeps
-  /// references.
+  /// The body before a stage begins: of its bonds each process may have its own. Keeps references.
   BodyPart body_at_start() const { return body_of(state_, own_); }
+  /// The same for a look at later stages, good until the run goes on.
+  Outlook outlook() const { return {state_, own_}; }
   /// The time loop of the dynamic stage under way, for energies, reactions and times; null without one.
   const Simulation* simulation() const { return simulation_.get(); }
   /// Of a stage of fracture that is under way, or was interrupted: what it knows beside state(); null: the
@@ -169,6 +175,7 @@ class Run {
                        const std::vector<BondEvent>& broken, double energy);
   void sum_up_dropped();
   void close_stage(StopReason why);
+  void hand_over();
   void end_in_parts();
   StageResult run_static();
   StageResult run_on(const StaticStage& stage);
@@ -182,15 +189,18 @@ class Run {
   void change_motion(PerParticle<Vec3d> v, PerParticle<Vec3d> omega);
   void begin_again();
 
-  Model model_;
+  mutable Model model_;  // as the state, where processes share it
   mutable State state_;  // of no meaning while there is a simulation
   std::unique_ptr<const Stages> stages_;
   int threads_;
   Observers observers_;
   RunHooks hooks_;
-  Partition* partition_ = nullptr;                       // null: one process
-  mutable std::shared_ptr<BondsFromSetUp> own_;          // null: the state has all bonds
-  std::optional<AnyStage> stage_;                        // that was prepared
+  Partition* partition_ = nullptr;               // null: one process
+  mutable std::shared_ptr<BondsFromSetUp> own_;  // null: whenever there is no simulation, all have all bonds
+  mutable std::optional<PartHandedOver> part_;   // between stages, if each has its part alone
+  RanksKeep keep_ = RanksKeep::all_bonds;        // what of it each has then
+  Acquaintance known_;                           // of the last stage
+  std::optional<AnyStage> stage_;                // that was prepared
   std::size_t bonds_before_ = 0, histories_before_ = 0;  // prepare()
   EnergyBooks books_before_;
   std::optional<std::size_t> noted_stage_;     // which hooks were told of

@@ -47,7 +47,7 @@ class GivenStages : public Stages {
     std::vector<std::string> mistakes = mistakes_in_stage(k, model);
     if (const Stage* dynamics = std::get_if<Stage>(&stages_.at(k))) {
       const bool bound_is_known = outlook.bonds_known && model.contact.law == ContactLaw::none;
-      if (mistakes.empty() && bound_is_known) look_at_step(*dynamics, model, outlook.state, mistakes);
+      if (mistakes.empty() && bound_is_known) look_at_step(*dynamics, model, outlook.state(), mistakes);
       if (!dynamics->bonding.empty()) outlook.pairs_known = outlook.bonds_known = false;
     }
     refuse(who(k), mistakes);

@@ -14,7 +14,7 @@ void expect_stage_bonds(const Case& c, std::size_t k, const Model& model, Outloo
   for (std::size_t set = 0; set < c.bonds.size(); ++set) {
     if (!makes_bonds_as_it_begins(c.bonds[set], c.stages[k])) continue;
     outlook.bonds_known = false;  // their lengths will be those of then
-    if (!expect_bonds(c, set, model, outlook.state, problems)) outlook.pairs_known = false;
+    if (!expect_bonds(c, set, model, outlook.changed(), problems)) outlook.pairs_known = false;
   }
 }
 
@@ -22,12 +22,12 @@ Stage look_ahead_at_dynamics(const Case& c, const Model& model, std::size_t k, O
   Problems problems;
   Stage stage = resolve_stage(c, model, k, problems);
   expect_stage_bonds(c, k, model, outlook, problems);
-  refuse_turned_through_face(c.stages[k], stage.supports, outlook.state, true, problems);
+  refuse_turned_through_face(c.stages[k], stage.supports, outlook.state(), true, problems);
   const bool bound_is_known = outlook.bonds_known && model.contact.law == ContactLaw::none;
   if (!stage.bonding.empty()) outlook.pairs_known = outlook.bonds_known = false;
   refuse_exact_with_bonding(c, stage, problems);
   problems.throw_if_any();
-  if (bound_is_known && !step_is_exact(c)) choose_fitting_step(c, k, model, outlook.state, {}, stage);
+  if (bound_is_known && !step_is_exact(c)) choose_fitting_step(c, k, model, outlook.body(), {}, stage);
   return stage;
 }
 
@@ -35,8 +35,8 @@ StaticStage look_ahead_at_statics(const Case& c, const Model& model, std::size_t
   Problems problems;
   StaticStage stage = resolve_static_stage(c, model, k, problems);
   expect_stage_bonds(c, k, model, outlook, problems);
-  refuse_turned_through_face(c.stages[k], stage.supports, outlook.state, true, problems);
-  if (outlook.pairs_known) refuse_nothing_elastic(c.stages[k], model, outlook.state, problems);
+  refuse_turned_through_face(c.stages[k], stage.supports, outlook.state(), true, problems);
+  if (outlook.pairs_known) refuse_nothing_elastic(c.stages[k], model, outlook.state(), problems);
   problems.throw_if_any();
   return stage;
 }
@@ -45,7 +45,8 @@ StaticStage look_ahead_at_statics(const Case& c, const Model& model, std::size_t
 
 std::variant<Stage, StaticStage> look_ahead(const Case& c, const Model& model, std::size_t k,
                                             Outlook& outlook) {
-  if (!outlook.state.waiting.empty()) outlook.pairs_known = outlook.bonds_known = false;  // they bring bonds
+  if (!outlook.state().waiting.empty())
+    outlook.pairs_known = outlook.bonds_known = false;  // they bring bonds
   if (is_static(c.stages.at(k).kind)) return look_ahead_at_statics(c, model, k, outlook);
   return look_ahead_at_dynamics(c, model, k, outlook);
 }

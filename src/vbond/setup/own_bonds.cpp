@@ -16,19 +16,6 @@
 namespace vbond {
 namespace {
 
-/// Counts of all processes are added up.
-void sum_up(PerParticle<std::uint32_t>& counts, const Communicator& all) {
-  constexpr std::size_t at_once = 1 << 16;
-  std::vector<double> some;
-  for (std::size_t first = 0; first < counts.size(); first += at_once) {
-    const std::size_t n = std::min(at_once, counts.size() - first);
-    std::uint32_t* const of = counts.data() + first;
-    some.assign(of, of + n);
-    all.sum(some);
-    for (std::size_t k = 0; k < n; ++k) of[k] = static_cast<std::uint32_t>(some[k]);
-  }
-}
-
 /// A set of the case: the pairs of this process, and of the whole body how many have each particle as their
 /// first.
 struct SetOfPairs {
@@ -70,14 +57,14 @@ ToCome count(const Case& c, std::vector<SetOfPairs>& sets, const State& state, c
       to_come.of_each[p.i] += cells, to_come.of_each[p.j] += cells;
       to_come.longest2 = std::max(to_come.longest2, norm2(between(state, p.i, p.j, p.image_j)));
     }
-    sum_up(set.of_first, all);
+    all.sum_counts({set.of_first.data(), set.of_first.size()});
     std::size_t pairs = 0;
     for (const ParticleId p : state.r.ids())
       pairs += set.of_first[p], to_come.of_first[p] += cells * set.of_first[p];
     if (pairs == 0) throw CaseError(Problem{{c.file, 0, 0}, "a set of bonds finds no pairs", "", ""});
     to_come.bonds += pairs * set.cells;
   }
-  sum_up(to_come.of_each, all);
+  all.sum_counts({to_come.of_each.data(), to_come.of_each.size()});
   all.max({&to_come.longest2, 1});
   return to_come;
 }
@@ -170,29 +157,47 @@ void book_in_order(const std::vector<UnbookedBond>& own, const BondsFromSetUp& b
 
 }  // namespace
 
+namespace {
+
+bool is_rigid(const SupportSpec& s) {
+  return s.rigid;
+}
+bool has_rigid_groups(const StageSpec& s) {
+  return std::any_of(s.supports.begin(), s.supports.end(), is_rigid);
+}
+bool has_stress_on_cell(const StageSpec& s) {
+  if (!s.cell) return false;
+  const auto& components = s.cell->component;
+  return std::any_of(components.begin(), components.end(), [](const auto& c) { return c && c->stress; });
+}
+
+/// Whether the bonds that a process has are those of its own particles throughout such a stage.
+bool may_begin_in_parts(const Case& c, const StageSpec& s) {
+  const bool may_be_torn = c.cell && has_rigid_groups(s);  // which is asked of all bonds
+  return !is_static(s.kind) && s.pressures.empty() && !has_stress_on_cell(s) && !may_be_torn;
+}
+
+}  // namespace
+
 bool may_keep_own_bonds(const Case& c) {
-  if (c.stages.size() != 1 || is_static(c.stages[0].kind) || !c.sources.empty() || step_is_exact(c))
-    return false;
-  const StageSpec& stage = c.stages[0];
-  if (!stage.pressures.empty()) return false;
-  if (stage.cell)
-    for (const auto& component : stage.cell->component)
-      if (component && component->stress) return false;
-  return std::all_of(c.bonds.begin(), c.bonds.end(), [](const BondSpec& b) {
+  if (!c.sources.empty() || step_is_exact(c)) return false;
+  const auto is_simple = [](const BondSpec& b) {
     return b.when == BondTime::start && !b.recipe.capsule && b.recipe.expansion == 0.0 &&
            !std::holds_alternative<AtCrossings>(b.select.value);
-  });
+  };
+  return std::all_of(c.stages.begin(), c.stages.end(),
+                     [&c](const StageSpec& s) { return may_begin_in_parts(c, s); }) &&
+         std::all_of(c.bonds.begin(), c.bonds.end(), is_simple);
 }
 
 bool may_keep_own_motion(const Case& c) {
-  const auto is_rigid = [](const SupportSpec& s) { return s.rigid; };
-  return may_keep_own_bonds(c) &&
-         std::none_of(c.stages[0].supports.begin(), c.stages[0].supports.end(), is_rigid);
+  return may_keep_own_bonds(c) && std::none_of(c.stages.begin(), c.stages.end(), has_rigid_groups);
 }
 
 bool may_keep_own_first_places(const Case& c) {
-  return may_keep_own_motion(c) && !particles_touch(c.contact) && !c.stages[0].strain &&
-         c.output.stresses.empty();
+  return may_keep_own_motion(c) && !particles_touch(c.contact) && c.output.stresses.empty() &&
+         std::none_of(c.stages.begin(), c.stages.end(),
+                      [](const StageSpec& s) { return s.strain.has_value(); });
 }
 
 PerParticle<char> slice_of(const PerParticle<Vec3d>& r, const Communicator& all) {

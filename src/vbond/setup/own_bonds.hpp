@@ -14,9 +14,9 @@
 /// A body of which each of several processes sets up all particles, and keeps its own bonds alone.
 namespace vbond {
 
-/// Whether a case can be set up so. It has one stage, of dynamics, and makes all bonds as it begins. Nothing
-/// in it asks for the whole body: capsules, crossings, sources, bonds that expand, pressures, stresses on a
-/// cell and an exact step do.
+/// Whether a case can be set up so. All its stages are of dynamics, and all bonds are made as the first one
+/// begins. Nothing in it asks for the whole body: capsules, crossings, sources, bonds that expand, pressures,
+/// stresses on a cell, rigid groups in a cell and an exact step do.
 bool may_keep_own_bonds(const Case& c);
 
 /// Whether each process of such a case may have the orientations and velocities of few particles alone. Rigid

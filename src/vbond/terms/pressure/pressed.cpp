@@ -116,6 +116,7 @@ PressedSurfaces::PressedSurfaces(const std::vector<Pressure>& pressures, std::ve
 
 double lambda_of_pressures(const std::vector<Pressure>& pressures, const PerParticle<double>& mass,
                            const PerParticle<Vec3d>& r, double duration) {
+  if (pressures.empty()) return 0.0;
   PerParticle<double> row(r.size(), 0.0);
   const PressedSurfaces surfaces(pressures, facets_as_found(pressures, r));
   for (const PressedSurfaces::Share& s : surfaces.shares()) {
