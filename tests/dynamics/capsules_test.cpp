@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "fibres.hpp"
@@ -254,6 +256,30 @@ TEST(Capsules, HaveTheSameBitsWithAnyThreadsAndAfterAnyResumption) {
   EXPECT_TRUE(run_on(s.state, 3, 60) == whole);
   const State middle = run_on(s.state, 2, 25);
   EXPECT_TRUE(run_on(middle, 1, 35) == whole);
+}
+
+// Pairs with particles within fibres follow from those of capsules, whatever the margin is.
+TEST(CapsulesNear, PairsOfASmallMarginAreThoseOfALargeOneThatAreNear) {
+  Dice dice(11);
+  std::vector<std::vector<Vec3d>> chains{{{0.3, 0.2, 0.1}}};  // and a ball
+  for (int k = 0; k < 40; ++k)
+    chains.push_back(
+        line({dice(-3, 3), dice(-3, 3), dice(-1, 1)}, {dice(-0.5, 0.5), dice(-0.5, 0.5), 0.2}, 6));
+  const Specimen s = fibres(chains, hertz());
+  using Pair = std::tuple<std::uint32_t, std::uint32_t, Image, int>;
+  const auto near = [&s](double margin, double gap) {
+    std::vector<Pair> pairs;
+    for (const FibrePair& p : FibreParts(s.model, s.state.bonds).near_pairs(s.state.r, s.state.cell, margin))
+      if (p.gap <= gap) pairs.emplace_back(p.first, p.second, p.of_second, p.weight);
+    std::sort(pairs.begin(), pairs.end());
+    EXPECT_TRUE(std::adjacent_find(pairs.begin(), pairs.end()) == pairs.end());
+    return pairs;
+  };
+  const auto touching = near(0.0, 0.0);
+  const auto is_within = [](const Pair& p) { return std::get<3>(p) < 0; };
+  EXPECT_GT(std::count_if(touching.begin(), touching.end(), is_within), 20);
+  EXPECT_EQ(touching, near(0.7, 0.0));
+  EXPECT_EQ(near(0.3, 0.3), near(0.7, 0.3));
 }
 
 // Few large balls among thin fibres make neither the cells nor the lists of these larger: as many pairs are

@@ -29,7 +29,9 @@ inline Vec3d on_segment(const Vec3d& q_0, const Vec3d& q_1, double t) {
 inline NearestOnSegments nearest_on_segments(const Vec3d& p_0, const Vec3d& p_1, const Vec3d& q_0,
                                              const Vec3d& q_1) {
   const Vec3d u = p_1 - p_0, v = q_1 - q_0, w = q_0 - p_0;
-  const double uu = norm2(u), vv = norm2(v), uv = dot(u, v), wu = dot(w, u), wv = dot(w, v);
+  const double uu = norm2(u), vv = norm2(v);
+  if (uu == 0.0 && vv == 0.0) return {0.0, 0.0, norm2(w)};
+  const double uv = dot(u, v), wu = dot(w, u), wv = dot(w, v);
   const double determinant = uu * vv - uv * uv;
   constexpr double parallel = 1e-12;  // sin^2 of the angle below which rounding leaves no inner point
   if (determinant > parallel * uu * vv) {
@@ -43,9 +45,9 @@ inline NearestOnSegments nearest_on_segments(const Vec3d& p_0, const Vec3d& p_1,
     const double distance2 = norm2(on_segment(q_0, q_1, t) - on_segment(p_0, p_1, s));
     if (distance2 < best.distance2) best = {s, t, distance2};
   };
-  look_at(1.0, nearest_on_segment(p_1, q_0, q_1));
+  if (uu > 0.0) look_at(1.0, nearest_on_segment(p_1, q_0, q_1));  // else it is the same point
   look_at(nearest_on_segment(q_0, p_0, p_1), 0.0);
-  look_at(nearest_on_segment(q_1, p_0, p_1), 1.0);
+  if (vv > 0.0) look_at(nearest_on_segment(q_1, p_0, p_1), 1.0);
   return best;
 }
 

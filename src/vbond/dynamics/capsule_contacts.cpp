@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <tuple>
 #include <utility>
 
@@ -35,8 +36,20 @@ bool joined(const FibrePlace& a, const FibrePlace& b, const FibrePlace& now_a, c
 }
 /// The order in which merge() leaves contacts.
 bool comes_before(const FibreContact& x, const FibreContact& y) {
-  const auto key = [](const FibreContact& c) { return std::tuple(c.a.i, c.a.j, c.b.i, c.b.j, c.a.R, c.b.R); };
+  const auto key = [](const FibreContact& c) { return std::tie(c.a.i, c.a.j, c.b.i, c.b.j, c.a.R, c.b.R); };
   return key(x) < key(y);
+}
+
+/// Those of a row stay in their order.
+std::vector<Capsules::Share> in_order_of_rows(const std::vector<Capsules::Share>& shares) {
+  std::vector<std::pair<std::size_t, std::size_t>> order;  // rows and places
+  order.reserve(shares.size());
+  for (std::size_t k = 0; k < shares.size(); ++k) order.emplace_back(shares[k].row, k);
+  std::sort(order.begin(), order.end());
+  std::vector<Capsules::Share> sorted;
+  sorted.reserve(shares.size());
+  for (const auto& [row, k] : order) sorted.push_back(shares[k]);
+  return sorted;
 }
 
 /// Normals within 60 degrees: of a contact that has slid on, not of one on another side.
@@ -65,22 +78,48 @@ void Capsules::bonds_changed(const PerBond<Bond>& bonds) {
   fibres_ = FibreParts(model_, bonds);
   double sum = 0.0;  // as of other contacts: few large balls must not fill the lists of many thin fibres
   for (const FibrePart& p : fibres_.parts()) sum += p.R;
-  skin_ = 0.4 * sum / static_cast<double>(fibres_.parts().size());
+  skin_ = 0.6 * sum / static_cast<double>(fibres_.parts().size());
 }
 
-void Capsules::refresh(double way) {
+void Capsules::refresh() {
   if (!any_) return;
-  room_ -= way;
-  if (listed_ && room_ > way_of_images()) return;
-  const auto r = finite_places();
-  if (!r) return near_.clear();  // the check of loads will tell
+  gone_ = listed_ ? way_since_listed() : std::numeric_limits<double>::infinity();
+  if (!(gone_ < 0.5 * skin_)) list_near_pairs(), gone_ = 0.0;
+  look_at_ = may_have_come_nearer_by(2.0 * gone_);  // each of two has gone so far at most
+}
+
+/// The first near pairs: those that were no farther apart than that as they were listed.
+std::size_t Capsules::may_have_come_nearer_by(double way) const {
+  const double limit = way + 1e-9 * skin_;  // as rounded
+  const auto end = std::partition_point(near_.begin(), near_.end(),
+                                        [limit](const FibrePair& pair) { return pair.gap <= limit; });
+  return static_cast<std::size_t>(end - near_.begin());
+}
+
+void Capsules::list_near_pairs() {
+  listed_ = false;
+  near_.clear();
+  auto r = finite_places();
+  if (!r) return;  // the check of loads will tell
   near_ = fibres_.near_pairs(*r, cell_, skin_);
+  std::sort(near_.begin(), near_.end(), [](const FibrePair& a, const FibrePair& b) { return a.gap < b.gap; });
   listed_at_ = cell_;
   if (!cell_.empty())
     farthest_image_ =
         farthest_images(cell_, model_.cell.periodic, r->values(), fibres_.reach(*r, cell_) + 2.0 * skin_);
-  room_ = 0.5 * skin_;
+  r_listed_ = *std::move(r);
   listed_ = true;
+}
+
+/// Of a particle since near pairs were listed, and of images with the cell; infinite where one is nowhere.
+double Capsules::way_since_listed() const {
+  double farthest2 = 0.0;
+  for (const ParticleId p : r_listed_.ids()) {
+    const double way2 = norm2(between(r_listed_[p], bodies_.pose[row(p)].r));
+    if (!(way2 <= farthest2)) farthest2 = way2;
+    if (std::isnan(way2)) return std::numeric_limits<double>::infinity();
+  }
+  return std::sqrt(farthest2) + way_of_images();
 }
 
 /// Of all particles, if all are at finite places.
@@ -120,7 +159,7 @@ std::vector<FibreContact> Capsules::find(const Team& team) {
   team.for_parts([&](const Part& part) {
     std::vector<FibreContact>& found = of_part_[part.index];
     found.clear();
-    const std::size_t n = near_.size(), shares = of_part_.size();
+    const std::size_t n = look_at_, shares = of_part_.size();
     for (std::size_t k = n * part.index / shares; k < n * (part.index + 1) / shares; ++k)
       if (const auto c = contact_of(fibres_.parts(), near_[k], [this](const ImageOf& p) { return place(p); }))
         found.push_back(*c);
@@ -176,7 +215,7 @@ std::vector<Capsules::Contact> Capsules::with_history(const std::vector<FibreCon
 /// In a region of overlap that reaches over several bonds, contacts of bodies press more than what is left
 /// when the others have made up for it. Friction goes by the latter: its limit is this part of mu times the
 /// force.
-std::vector<double> Capsules::friction_shares() const {
+std::vector<double> Capsules::friction_shares(const std::vector<Touching<double>>& touchings) const {
   std::vector<double> share(contacts_.size(), 1.0);
   if (std::all_of(contacts_.begin(), contacts_.end(), [](const Contact& c) { return c.body; })) return share;
   using PairOfEnds = std::tuple<ParticleId, ParticleId, Image>;  // of both fibres, seen from the lower one
@@ -196,7 +235,7 @@ std::vector<double> Capsules::friction_shares() const {
     if (at[k - 1].first == at[k].first) regions.join(Index{at[k - 1].second}, Index{at[k].second});
   std::vector<double> left(contacts_.size(), 0.0), bodies = left;
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    const Touching<double> p = touching(contacts_[k]);
+    const Touching<double>& p = touchings[k];
     const double N = normal_force(forms_, numbers(contacts_[k]), p.R, p.overlap).F;
     left[regions.smallest(Index{k}).value] += contacts_[k].weight * N;
     if (contacts_[k].body) bodies[regions.smallest(Index{k}).value] += N;
@@ -208,8 +247,8 @@ std::vector<double> Capsules::friction_shares() const {
 }
 
 /// The loads of one contact, to shares_.
-TouchLosses<double> Capsules::work_out(Contact& c, double friction_share, double dt) {
-  const Touching<double> p = touching(c);
+TouchLosses<double> Capsules::work_out(Contact& c, const Touching<double>& p, double friction_share,
+                                       double dt) {
   TouchNumbers<double> n = numbers(c);
   n.friction *= friction_share;
   Vec3d F;
@@ -241,10 +280,12 @@ TouchLosses<double> Capsules::work_out(const Team& team, double dt) {
   passed_.reset();
   deep_ = false;
   TouchLosses<double> lost;
-  const std::vector<double> share = friction_shares();
-  for (std::size_t k = 0; k < contacts_.size(); ++k) lost += work_out(contacts_[k], share[k], dt);
-  std::stable_sort(shares_.begin(), shares_.end(),
-                   [](const Share& a, const Share& b) { return a.row < b.row; });
+  std::vector<Touching<double>> touchings;
+  for (const Contact& c : contacts_) touchings.push_back(touching(c));
+  const std::vector<double> share = friction_shares(touchings);
+  for (std::size_t k = 0; k < contacts_.size(); ++k)
+    lost += work_out(contacts_[k], touchings[k], share[k], dt);
+  shares_ = in_order_of_rows(shares_);
   if (dt > 0.0)
     for (const Contact& c : parted)
       lost += lost_on_parting(forms_, numbers(c), touching(c), dt, touch_history(c.history));

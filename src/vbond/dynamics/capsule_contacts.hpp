@@ -1,5 +1,4 @@
 #pragma once
-#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -37,17 +36,16 @@ class Capsules {
   bool any() const { return any_; }
   /// The bonds are these now; refresh() and work_out() come next.
   void bonds_changed(const PerBond<Bond>& bonds);
-  /// Lists near pairs anew if a particle may have moved by half the skin. way: the longest of a particle
-  /// since the last call.  [length]
-  void refresh(double way = std::numeric_limits<double>::infinity());
+  /// Lists near pairs anew if a particle has moved by half the skin, and finds out which of them may touch.
+  void refresh();
   /// Contacts and their loads, from poses and the motion of the half step before; dt = 0: between steps,
   /// nothing is lost. Returns what is.
   TouchLosses<double> work_out(const Team& team, double dt);
   /// Looks for axes that pass through each other within the step that has just moved all particles by dt v,
   /// whether or not they touch at its end: for steps after which some are deep in one another, or in which
-  /// something is fast. longest: way of a particle against the mean of all, for which near pairs are listed
-  /// anew; 0: nothing is fast  [length]. After work_out().
-  void look_at_drift(double dt, double longest);
+  /// something is fast. way: the longest of a particle in the step; longest: against the mean of all, for
+  /// which near pairs are listed anew; 0: nothing is fast  [length]. After work_out().
+  void look_at_drift(double dt, double way, double longest);
   /// Adds the loads of these rows.
   void add_loads(RowRange rows, LoadRow* load) const;
   /// Takes all of them away again.
@@ -66,7 +64,8 @@ class Capsules {
   /// The sum of F (x) r of shares, as poses are now.  [energy]
   Tensor virial(const std::vector<Share>& shares) const;
 
-  /// How many pairs are looked at in each step.
+  /// How many pairs are looked at as they are listed. Later these are fewer at first: who was farther away
+  /// than particles have moved since cannot touch yet.
   std::size_t near_pairs() const { return near_.size(); }
   /// What contacts store as worked out last.  [energy]
   double energy() const;
@@ -93,13 +92,16 @@ class Capsules {
     return bodies_.motion[row(p.particle)].v + image_velocity(cell_, p.image);
   }
   std::optional<PerParticle<Vec3d>> finite_places() const;
+  void list_near_pairs();
+  double way_since_listed() const;
+  std::size_t may_have_come_nearer_by(double way) const;
   double way_of_images() const;
   Touching<double> touching(const FibreContact& c) const;
   const TouchNumbers<double>& numbers(const FibreContact& c) const;
   std::vector<FibreContact> find(const Team& team);
   std::vector<Contact> with_history(const std::vector<FibreContact>& found, std::vector<Contact>& parted);
-  std::vector<double> friction_shares() const;
-  TouchLosses<double> work_out(Contact& c, double friction_share, double dt);
+  std::vector<double> friction_shares(const std::vector<Touching<double>>& touchings) const;
+  TouchLosses<double> work_out(Contact& c, const Touching<double>& p, double friction_share, double dt);
   bool pass(const FibrePair& pair, double dt) const;
   DeepCapsules told(std::uint32_t first, std::uint32_t second, double overlap, double radius) const;
 
@@ -113,10 +115,13 @@ class Capsules {
   ContactMasses masses_;                       // if there are any
   FibreParts fibres_;
   bool any_ = false, listed_ = false, deep_ = false;
-  double skin_ = 0, room_ = 0;  // no particle has moved half the skin before one has moved so far  [length]
-  std::vector<FibrePair> near_;
-  CellEdges listed_at_;                             // edges as near pairs were listed
-  std::array<double, 3> farthest_image_{};          // edges that an image may be away from what it is near
+  double skin_ = 0;                         // near pairs are listed so far beyond what touches  [length]
+  std::vector<FibrePair> near_;             // by their gaps then
+  double gone_ = 0;                         // the longest way since then  [length]
+  std::size_t look_at_ = 0;                 // the first so many may touch
+  PerParticle<Vec3d> r_listed_;             // places then
+  CellEdges listed_at_;                     // edges as near pairs were listed
+  std::array<double, 3> farthest_image_{};  // edges that an image may be away from what it is near
   std::vector<std::vector<FibreContact>> of_part_;  // of a team
   std::vector<Contact> contacts_;
   std::vector<Share> shares_;  // in order of rows, those of a row in order of contacts

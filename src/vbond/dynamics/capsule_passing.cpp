@@ -45,22 +45,31 @@ bool Capsules::pass(const FibrePair& pair, double dt) const {
   for (double left = 1.0; left > 0.0;) {
     const Vec3d d = apart(left);
     if (turned(d)) return true;
+    if (norm(d) - deep > left * fastest) return false;  // too far away for what is left of the step
     // to where it may become deep, or by a tenth of that: a pass turns the line within two deep distances
     left -= std::max({norm(d) - deep, 0.1 * deep, least_part * fastest}) / fastest;
   }
   return turned(apart(0.0));
 }
 
-void Capsules::look_at_drift(double dt, double longest) {
+void Capsules::look_at_drift(double dt, double way, double longest) {
   if (!any_ || passed_) return;
   const auto r = finite_places();
   if (!r) return;  // the check of loads will tell
-  for (const FibrePair& pair : longest > 0.0 ? fibres_.near_pairs(*r, cell_, 2.0 * longest) : near_) {
-    const FibrePart &x = fibres_.parts()[pair.first], &y = fibres_.parts()[pair.second];
-    if (!pair.bodies || pair.weight <= 0 || !pass(pair, dt)) continue;
-    passed_ = told(pair.first, pair.second, x.R + y.R, std::min(x.R, y.R));
-    return;
+  std::vector<FibrePair> listed_anew;
+  std::span<const FibrePair> near = near_;
+  if (longest > 0.0)
+    near = listed_anew = fibres_.near_pairs(*r, cell_, 2.0 * longest);
+  else if (cell_.empty())  // else images go on with the cell
+    near = near.first(may_have_come_nearer_by(2.0 * (gone_ + way)));
+  std::optional<std::pair<std::uint32_t, std::uint32_t>> first;  // of all, whatever their order is
+  for (const FibrePair& pair : near) {
+    const std::pair parts(pair.first, pair.second);
+    if (pair.bodies && pair.weight > 0 && (!first || parts < *first) && pass(pair, dt)) first = parts;
   }
+  if (!first) return;
+  const FibrePart &x = fibres_.parts()[first->first], &y = fibres_.parts()[first->second];
+  passed_ = told(first->first, first->second, x.R + y.R, std::min(x.R, y.R));
 }
 
 std::vector<DeepCapsules> Capsules::deeper_than(double part) const {

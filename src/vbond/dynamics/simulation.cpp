@@ -62,12 +62,12 @@ void Simulation::find_touches(StepTimes::Lap& lap) {
   const double way2 = largest_way2(), way = std::sqrt(way2);
   last_way_ = std::max(last_way_, way);
   contacts_.refresh(bodies_.poses(), all_known(), way);  // near pairs, listed anew only when stale
-  capsules_.refresh(way);
+  capsules_.refresh();
   work_out_touches(stage_.dt);
   for (MotionTerm* t : terms_.touching()) t->particles_moved(stage_.dt, way);
   if (contacts_.any() || capsules_.any()) encounters_.look_at_drift(bodies_, stage_.dt, way2, flow());
   if (const auto& fast = encounters_.fastest(); capsules_.any() && (fast || capsules_.deep()))
-    capsules_.look_at_drift(stage_.dt, fast ? fast->way : 0.0);
+    capsules_.look_at_drift(stage_.dt, way, fast ? fast->way : 0.0);
   lap.add_to(times_.contacts);
 }
 

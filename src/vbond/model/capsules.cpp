@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <numeric>
 #include <tuple>
 
+#include "vbond/core/bounding_box.hpp"
 #include "vbond/core/images.hpp"
 
 namespace vbond {
@@ -53,6 +55,15 @@ std::optional<CapsuleMistake> capsule_mistake(const Model& model, const Bond& bo
   return capsule_mistake(model.contact, capsule_of(bond), distance);
 }
 
+namespace {
+
+bool overlap(const BoundingBox& a, const BoundingBox& b) {
+  return a.low.x <= b.high.x && b.low.x <= a.high.x && a.low.y <= b.high.y && b.low.y <= a.high.y &&
+         a.low.z <= b.high.z && b.low.z <= a.high.z;
+}
+
+}  // namespace
+
 FibreContact in_order(const FibreContact& contact) {
   const auto begun_by = [](const FibrePlace& first, const FibrePlace& second) {
     const Image n = -first.i.image;
@@ -76,6 +87,7 @@ FibreParts::FibreParts(const Model& model, const PerBond<Bond>& bonds)
     : periodic_(model.cell.periodic),
       bonded_balls_touch_(model.contact.pairs == ContactPairs::all),
       capsules_(model.particles(), 0),
+      within_(model.particles(), none),
       of_fibre_(particles_of_fibres(model.particles(), bonds)),
       start_(model.particles() + 1, 0) {
   of_fibre_.resize(model.particles(), 0);
@@ -102,7 +114,10 @@ FibreParts::FibreParts(const Model& model, const PerBond<Bond>& bonds)
       thinnest[p] = capsules_[p]++ == 0 ? capsule_of(b) : std::min(thinnest[p], capsule_of(b));
   }
   for (const ParticleId p : capsules_.ids())  // one with one capsule is its end and no more
-    if (capsules_[p] != 1 && thinnest[p] > 0.0) parts_.push_back({{p, {}}, {p, {}}, thinnest[p], {}});
+    if (capsules_[p] != 1 && thinnest[p] > 0.0) {
+      if (capsules_[p] > 1) within_[p] = static_cast<std::uint32_t>(parts_.size());
+      parts_.push_back({{p, {}}, {p, {}}, thinnest[p], {}});
+    }
 }
 
 template <class Visit>
@@ -149,30 +164,67 @@ int FibreParts::weight(const FibrePart& x, const FibrePart& y) const {
   return faces > 0 ? 1 - faces - lines : 0;
 }
 
+/// A particle within fibres is nearer to nobody than its capsules are. So what it is near to follows from
+/// them, and it counts only where they may touch.
 std::vector<FibrePair> FibreParts::near_pairs(const PerParticle<Vec3d>& r, const CellEdges& cell,
                                               double margin) const {
   const auto at = [&](const ImageOf& p) { return place_of(r, cell, p); };
   std::vector<Vec3d> middle;
   std::vector<double> reach;
-  for (const FibrePart& p : parts_) {
+  std::vector<BoundingBox> box;  // with what may touch
+  std::vector<std::uint32_t> bodies;
+  for (std::uint32_t k = 0; k < parts_.size(); ++k) {
+    const FibrePart& p = parts_[k];
+    if (!is_body(p)) continue;
     const Vec3d r_i = at(p.i), r_j = at(p.j);
+    bodies.push_back(k);
     middle.push_back(0.5 * (r_i + r_j));
     reach.push_back(0.5 * norm(between(r_i, r_j)) + p.R);
+    box.emplace_back();
+    for (const Vec3d& end : {r_i, r_j}) box.back().add(end, (1.0 + 1e-9) * p.R + 0.5 * margin);
   }
   std::vector<FibrePair> pairs;
-  const auto look = [&](std::size_t k, std::size_t l, const Image& n, double) {
-    if (!parts_[k].is_capsule() && !parts_[l].is_capsule() && !is_of_fibre(parts_[k]) &&
-        !is_of_fibre(parts_[l]))
-      return;
+  const auto add_if_near = [&](std::uint32_t k, std::uint32_t l, const Image& n) {
     const FibrePart &x = parts_[k], y = carried(parts_[l], n);
-    if (nearest_on_segments(at(x.i), at(x.j), at(y.i), at(y.j)).distance2 > sq(x.R + y.R + margin)) return;
+    const double distance2 = nearest_on_segments(at(x.i), at(x.j), at(y.i), at(y.j)).distance2;
+    if (distance2 > sq(x.R + y.R + margin)) return false;
     const int w = weight(x, y);
-    if (w != 0)
-      pairs.push_back(
-          {static_cast<std::uint32_t>(k), static_cast<std::uint32_t>(l), n, w, is_body(x) && is_body(y)});
+    if (w != 0) pairs.push_back({k, l, n, w, is_body(x) && is_body(y), std::sqrt(distance2) - (x.R + y.R)});
+    return w != 0;
   };
-  for_overlapping_images(cell, periodic_, middle, reach, margin, look);
+  std::vector<std::tuple<std::uint32_t, std::uint32_t, Image>> within;  // pairs with particles within fibres
+  for_overlapping_images(cell, periodic_, middle, reach, margin,
+                         [&](std::size_t a, std::size_t b, const Image& n, double) {
+                           const std::uint32_t k = bodies[a], l = bodies[b];
+                           if (!is_of_fibre(parts_[k]) && !is_of_fibre(parts_[l])) return;
+                           if (n.is_itself() && !overlap(box[a], box[b])) return;
+                           if (add_if_near(k, l, n)) add_particles_within(k, l, n, within);
+                         });
+  std::sort(within.begin(), within.end());
+  within.erase(std::unique(within.begin(), within.end()), within.end());
+  for (const auto& [k, l, n] : within) add_if_near(k, l, n);
   return pairs;
+}
+
+/// Of two bodies that are near, the pairs of each with particles within fibres at the ends of the other, and
+/// of these; the part with the lower number comes first.
+template <class Pairs>
+void FibreParts::add_particles_within(std::uint32_t first, std::uint32_t second, const Image& n,
+                                      Pairs& pairs) const {
+  const auto for_particles_of = [this](const FibrePart& body, auto visit) {
+    for (const ImageOf& end : {body.i, body.j})
+      if (const std::uint32_t part = within_[end.particle]; part != none) visit(part, end.image);
+  };
+  const auto add = [&pairs](std::uint32_t k, std::uint32_t l, const Image& of_l) {
+    if (l < k || (k == l && of_l < -of_l)) return pairs.emplace_back(l, k, -of_l), void();
+    pairs.emplace_back(k, l, of_l);
+  };
+  const FibrePart &x = parts_[first], y = carried(parts_[second], n);
+  for_particles_of(x, [&](std::uint32_t p, const Image& of_p) {
+    add(second, p, of_p - n);
+    for_particles_of(y, [&](std::uint32_t q, const Image& of_q) { add(p, q, of_q - of_p); });
+  });
+  for_particles_of(y, [&](std::uint32_t q, const Image& of_q) { add(first, q, of_q); });
 }
 
 double FibreParts::reach(const PerParticle<Vec3d>& r, const CellEdges& cell) const {
@@ -189,14 +241,12 @@ std::string FibreParts::name_of(std::uint32_t part) const {
 }
 
 void merge(std::vector<FibreContact>& contacts) {
-  const auto place = [](const FibreContact& c) {
-    return std::tuple(c.a.i, c.a.j, c.b.i, c.b.j, c.a.R, c.b.R);
-  };
-  const auto key = [&](const FibreContact& c) {  // those of bodies first, in order of their parts
-    return std::tuple_cat(place(c), std::tuple(!c.body, c.first, c.second));
-  };
-  std::sort(contacts.begin(), contacts.end(),
-            [&](const FibreContact& x, const FibreContact& y) { return key(x) < key(y); });
+  const auto place = [](const FibreContact& c) { return std::tie(c.a.i, c.a.j, c.b.i, c.b.j, c.a.R, c.b.R); };
+  const auto parts = [](const FibreContact& c) { return std::tuple(!c.body, c.first, c.second); };
+  std::sort(contacts.begin(), contacts.end(), [&](const FibreContact& x, const FibreContact& y) {
+    const auto order = place(x) <=> place(y);
+    return order != 0 ? order < 0 : parts(x) < parts(y);  // those of bodies first
+  });
   std::size_t merged = 0;
   for (std::size_t k = 0; k < contacts.size();) {
     FibreContact all = contacts[k];

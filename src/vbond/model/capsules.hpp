@@ -45,6 +45,7 @@ struct FibrePair {
   Image of_second;
   int weight;
   bool bodies;
+  double gap;  ///< between the two as they were found; < 0: they overlap  [length]
 };
 
 /// A pair of nearest points, counted `weight` times. It has friction and damping if it is a `body` contact:
@@ -107,11 +108,14 @@ class FibreParts {
   bool is_of_fibre(const FibrePart& part) const { return of_fibre_[part.i.particle.value] != 0; }
   int weight(const FibrePart& x, const FibrePart& y) const;
   int weight_of_line(const FibrePart& body, const ImageOf& p) const;
+  template <class Pairs>
+  void add_particles_within(std::uint32_t first, std::uint32_t second, const Image& n, Pairs& pairs) const;
 
   Periodic periodic_{};
   bool bonded_balls_touch_ = false;
   std::vector<FibrePart> parts_;
   PerParticle<std::uint32_t> capsules_;  // how many there are now
+  PerParticle<std::uint32_t> within_;    // the part of a particle within fibres; else none
   std::vector<char> of_fibre_;
   std::vector<std::size_t> start_;  // of each particle, in entries_
   std::vector<Entry> entries_;      // its bonds
