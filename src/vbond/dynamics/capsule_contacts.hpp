@@ -64,8 +64,8 @@ class Capsules {
   /// The sum of F (x) r of shares, as poses are now.  [energy]
   Tensor virial(const std::vector<Share>& shares) const;
 
-  /// How many pairs are looked at as they are listed. Later these are fewer at first: who was farther away
-  /// than particles have moved since cannot touch yet.
+  /// How many near pairs are listed. A step looks at those of them that may touch: they were no farther apart
+  /// then than particles have moved since.
   std::size_t near_pairs() const { return near_.size(); }
   /// What contacts store as worked out last.  [energy]
   double energy() const;

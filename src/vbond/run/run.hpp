@@ -196,7 +196,7 @@ class Run {
   Observers observers_;
   RunHooks hooks_;
   Partition* partition_ = nullptr;               // null: one process
-  mutable std::shared_ptr<BondsFromSetUp> own_;  // null: whenever there is no simulation, all have all bonds
+  mutable std::shared_ptr<BondsFromSetUp> own_;  // null: between simulations each process has all bonds
   mutable std::optional<PartHandedOver> part_;   // between stages, if each has its part alone
   RanksKeep keep_ = RanksKeep::all_bonds;        // what of it each has then
   Acquaintance known_;                           // of the last stage

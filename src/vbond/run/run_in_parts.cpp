@@ -1,4 +1,5 @@
-// A run whose stages of dynamics several processes step, each a part of the body.
+// How a run hands its state on: to the simulation of a stage, to the next one, and to who asks for it; of
+// several processes, each of which steps a part of the body, what they do for it together.
 #include <algorithm>
 #include <chrono>
 #include <memory>
