@@ -55,15 +55,22 @@ VBOND_HD void fetch(const RowsAhead& ahead, std::size_t first, std::size_t last,
 /// waits for its root; one that looks further, or has few registers, loses: docs/decisions/data-layout.md.
 constexpr std::size_t packs_together = VBOND_PACKS_TOGETHER;
 
+/// Adds the loads of the bonds in lanes l .. l + W - 1 of a pack.
+template <template <class> class Law, std::size_t W, class P>
+VBOND_HD void add_elastic_lanes(const PackRun<P>& run, std::size_t pack, std::size_t l, const PoseRow* pose,
+                                LoadRow* load) {
+  const P& p = run.packs[pack];
+  add_lanes(p, run.lanes[pack], l, bond_loads(law_of<Law, W>(p, *run.type, l), pose_of<W>(p, pose, l)), load);
+}
+
 template <template <class> class Law, class P>
 VBOND_HD void add_elastic(const PackRun<P>& run, std::size_t first, std::size_t last, const PoseRow* pose,
                           LoadRow* load) {
   constexpr std::size_t parts = pack_bonds / lanes;
   if constexpr (packs_together == 1) {
-    for (std::size_t l = 0; l < pack_bonds; l += lanes)
-      add_lanes(run.packs[first], run.lanes[first], l,
-                bond_loads(law_of<Law>(run.packs[first], *run.type, l), pose_of(run.packs[first], pose, l)),
-                load);
+    const unsigned active = run.lanes[first].active;
+    for (std::size_t l = 0; l < pack_bonds && active >> l != 0; l += lanes)
+      add_elastic_lanes<Law, lanes>(run, first, l, pose, load);
   } else {
     Halfway halfway[packs_together * parts];
     for (std::size_t n = 0; n < (last - first) * parts; ++n)
@@ -83,9 +90,14 @@ void add_loads(const PackRun<P>& run, BondSweep& sweep) {
   LoadRow* const load = sweep.load;
   constexpr bool elastic = !ReadsRates<Law<Real>> && !Breakable<Law<Real>>;
   constexpr std::size_t at_once = elastic ? packs_together : 1;
-  for (std::size_t k = 0; k < run.count; k += at_once) {
-    const std::size_t last = k + at_once < run.count ? k + at_once : run.count;
-    if (run.ahead.count != 0) fetch(run.ahead, k, last, run.count);
+  // half of the lanes do for a last pack of up to four bonds: a twentieth of the step of a short chain
+  constexpr bool may_be_half_full = elastic && at_once == 1 && lanes == 8;
+  std::size_t count = run.count;
+  if constexpr (may_be_half_full)
+    if (run.lanes[count - 1].active >> 4 == 0) --count;
+  for (std::size_t k = 0; k < count; k += at_once) {
+    const std::size_t last = k + at_once < count ? k + at_once : count;
+    if (run.ahead.count != 0) fetch(run.ahead, k, last, count);
     if constexpr (elastic)
       add_elastic<Law>(run, k, last, pose, load);
     else if (Damped<Law<Real>> && run.type->damped)
@@ -93,6 +105,8 @@ void add_loads(const PackRun<P>& run, BondSweep& sweep) {
     else
       add_inelastic<Law, false>(run, k, sweep);
   }
+  if constexpr (may_be_half_full)
+    if (count < run.count) add_elastic_lanes<Law, 4>(run, count, 0, pose, load);
 }
 
 template <template <class> class Law, class P>

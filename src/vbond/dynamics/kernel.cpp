@@ -92,7 +92,7 @@ double drift(RowRange rows, double h, const MotionRow* motion, PoseRow* pose) {
     return way2;
   }
   std::size_t k = rows.first;
-  for (; k + 2 * lanes <= rows.last; k += 2 * lanes) move<2>(k, h, motion, pose);
+  for (; k + lanes < rows.last; k += 2 * lanes) move<2>(k, h, motion, pose);
   for (; k < rows.last; k += lanes) move<1>(k, h, motion, pose);
   return way2;
 }

@@ -36,14 +36,15 @@ struct BondLoops {
 };
 
 /// The loops of a step that must be fast, compiled once per instruction set. All sets give the same bits.
+/// Rows after the last one may be taken with it, up to a multiple of rows_at_once.
 struct StepKernel {
   const char* name;        ///< of the instruction set
   const BondLoops* bonds;  ///< of each law in BondLaws, in that order
   /// v += h F/m, omega += h M/Theta. Returns 0, or NaN if a load is not finite or their sum is too large for
   /// a double. before: where the rates go that there were; null: nowhere.
   double (*kick)(RowRange, double h, const InverseInertia*, const LoadRow*, MotionRow*, MotionRow* before);
-  /// r += h v; q is turned exactly by the angle vector h omega. Rows are taken by eights. Returns a bound of
-  /// the largest |h v|^2 that is at most three times too large.
+  /// r += h v; q is turned exactly by the angle vector h omega. Returns a bound of the largest |h v|^2 that
+  /// is at most three times too large.
   double (*drift)(RowRange, double h, const MotionRow*, PoseRow*);
   /// Slows down by the factors and returns the kinetic energy that this takes away.
   double (*slow_down)(RowRange, const Decay*, MotionRow*);

@@ -33,8 +33,10 @@ VBOND_HD double* numbers(R* row) {
 /// Which half of a row, as an offset in numbers.
 enum class Half : std::size_t { first = 0, second = 4 };
 
-/// Halves of `lanes` rows, not transposed: see transpose_halves().
-using Halves = Real[4];
+/// Halves of W rows, not transposed: see transpose_halves().
+template <std::size_t W>
+using HalvesOf = Pack<W>[4];
+using Halves = HalvesOf<lanes>;
 
 #if VBOND_LANES == 8
 /// Four numbers from either place. By intrinsics, for then the second four are joined by a load, which does
@@ -46,22 +48,23 @@ VBOND_HD Real::Native side_by_side(const double* first, const double* second) {
 }
 #endif
 
-template <std::size_t W = lanes, class R>
-VBOND_HD void load_halves(const R* rows, const std::uint32_t* row, Half half, Pack<W> (&x)[4]) {
+template <std::size_t W, class R>
+VBOND_HD void load_halves(const R* rows, const std::uint32_t* row, Half half, HalvesOf<W>& x) {
   const std::size_t at = static_cast<std::size_t>(half);
   for (std::size_t k = 0; k < 4; ++k) {
+    if constexpr (W < 8) x[k] = Pack<W>::load(numbers(rows + row[k % W]) + at + k / W * W);
 #if VBOND_LANES == 8
-    x[k].v = side_by_side(numbers(rows + row[k]) + at, numbers(rows + row[k + 4]) + at);
-#else
-    x[k] = Pack<W>::load(numbers(rows + row[k % W]) + at + k / W * W);
+    else
+      x[k].v = side_by_side(numbers(rows + row[k]) + at, numbers(rows + row[k + 4]) + at);
 #endif
   }
 }
 
 /// From the places of rows i to those of rows j, transposed: coordinate k of lane l in lane l of r_ij[k].
-[[maybe_unused]] VBOND_HD void load_between(const PoseRow* pose, const std::uint32_t* i,
-                                            const std::uint32_t* j, Halves& r_ij) {
-  Halves r_i;
+template <std::size_t W>
+VBOND_HD void load_between(const PoseRow* pose, const std::uint32_t* i, const std::uint32_t* j,
+                           HalvesOf<W>& r_ij) {
+  HalvesOf<W> r_i;
   load_halves(pose, i, Half::first, r_i);
   load_halves(pose, j, Half::first, r_ij);
   for (std::size_t k = 0; k < 4; ++k) r_ij[k] = between(r_i[k], r_ij[k]);
@@ -69,15 +72,15 @@ VBOND_HD void load_halves(const R* rows, const std::uint32_t* row, Half half, Pa
 }
 
 /// Number k of that half of row[l] in lane l of x[k].
-template <class R>
-VBOND_HD void load_columns(const R* rows, const std::uint32_t* row, Half half, Halves& x) {
+template <std::size_t W, class R>
+VBOND_HD void load_columns(const R* rows, const std::uint32_t* row, Half half, HalvesOf<W>& x) {
   load_halves(rows, row, half, x);
   transpose_halves(x);
 }
 
-template <class R>
-VBOND_HD Quat<Real> load_quats(const R* rows, const std::uint32_t* row) {
-  Halves q;
+template <std::size_t W = lanes, class R>
+VBOND_HD Quat<Pack<W>> load_quats(const R* rows, const std::uint32_t* row) {
+  HalvesOf<W> q;
   load_columns(rows, row, Half::second, q);
   return {q[0], q[1], q[2], q[3]};
 }
@@ -85,8 +88,8 @@ VBOND_HD Quat<Real> load_quats(const R* rows, const std::uint32_t* row) {
 // ---- whole rows -------------------------------------------------------------------------------------
 
 /// Row l of those whose halves these are, part after part.
-template <std::size_t W = lanes>
-VBOND_HD void whole_row(const Pack<W> (&first)[4], const Pack<W> (&second)[4], std::size_t l,
+template <std::size_t W>
+VBOND_HD void whole_row(const HalvesOf<W>& first, const HalvesOf<W>& second, std::size_t l,
                         Pack<W> (&row)[8 / W]) {
   if constexpr (W == 8) {
     if (l < 4)
@@ -109,11 +112,12 @@ VBOND_HD void whole_row(const Pack<W> (&first)[4], const Pack<W> (&second)[4], s
   for (std::size_t part = 0; part < 8 / lanes; ++part) row[part].store(to + part * lanes);
 }
 
-VBOND_HD void add_row(const Halves& first, const Halves& second, std::size_t l, double* to) {
-  Real row[8 / lanes];
+template <std::size_t W>
+VBOND_HD void add_row(const HalvesOf<W>& first, const HalvesOf<W>& second, std::size_t l, double* to) {
+  Pack<W> row[8 / W];
   whole_row(first, second, l, row);
-  for (std::size_t part = 0; part < 8 / lanes; ++part)
-    (Real::load(to + part * lanes) + row[part]).store(to + part * lanes);
+  for (std::size_t part = 0; part < 8 / W; ++part)
+    (Pack<W>::load(to + part * W) + row[part]).store(to + part * W);
 }
 
 /// This part of a row of eight that holds x four times, then y.

@@ -178,14 +178,14 @@ RowsAhead Simulation::rows_of(const Block& b) const {
 }
 
 void Simulation::kick(const Block& b, double h, MotionRow* before) {
-  books_[b.index].poison +=
-      kernel_.kick(b.rows, h, bodies_.inverse.data(), bodies_.load.data(), bodies_.motion.data(), before);
+  books_[b.index].poison += kernel_.kick(particles_of(b), h, bodies_.inverse.data(), bodies_.load.data(),
+                                         bodies_.motion.data(), before);
   if (bodies_.tops.any()) bodies_.tops.kick(b.rows, h, bodies_.load, bodies_.turning());
 }
 
 double Simulation::drift(const Block& b, double h) {
   if (bodies_.tops.any()) bodies_.tops.turn(b.rows, h, bodies_.turning());
-  const double way2 = kernel_.drift(b.rows, h, bodies_.motion.data(), bodies_.pose.data());
+  const double way2 = kernel_.drift(particles_of(b), h, bodies_.motion.data(), bodies_.pose.data());
   if (!bodies_.tops.any()) return way2;
   bodies_.tops.put_turned(b.rows, bodies_.turning());
   if (inelastic()) keep_rates(b.rows);  // omega at the new orientations

@@ -49,14 +49,22 @@ struct SectionRates {
   T w_n;        ///< twisting  [rad/time]
 };
 
+/// From the centres to the bonded points, of both together.  [length]
+template <Scalar T>
+VBOND_HD Vec3<T> sum_of_levers(const BondPose<T>& b, const T& R_i, const T& R_j) {
+  return R_i * b.n_i[0] + R_j * b.n_j[0];
+}
+
 template <Scalar T>
 VBOND_HD SectionRates<T> section_rates(const BondPose<T>& b, const T& R_i, const T& R_j,
                                        const BondAxis<T>& axis, const BondRates<T>& rates) {
   const Vec3<T>& d = axis.d;
-  const Vec3<T> D_rate = rates.v_ij + R_j * cross(rates.w_j, b.n_j[0]) - R_i * cross(rates.w_i, b.n_i[0]);
   const Vec3<T> w = rates.w_j - rates.w_i;
-  const T v_n = dot(d, D_rate), w_n = dot(d, w);
-  return {v_n, D_rate - v_n * d - cross(T(0.5) * (rates.w_i + rates.w_j), axis.D * d), w - w_n * d, w_n};
+  // the rate of D_ij as seen by one who turns with the mean of the two
+  const Vec3<T> u =
+      rates.v_ij + T(0.5) * (cross(w, sum_of_levers(b, R_i, R_j)) - cross(rates.w_i + rates.w_j, b.r_ij));
+  const T v_n = dot(d, u), w_n = dot(d, w);
+  return {v_n, u - v_n * d, w - w_n * d, w_n};
 }
 
 /// The loads of linear damping with these coefficients: R = (g_A v_n^2 + g_D v_s^2 + g_B w_t^2 + g_T w_n^2)/2
@@ -66,10 +74,10 @@ template <Scalar T>
 VBOND_HD BondLoads<T> linear_damping(const BondStiffness<T>& g, const BondPose<T>& b, const T& R_i,
                                      const T& R_j, const BondAxis<T>& axis, const BondRates<T>& rates) {
   const SectionRates<T> s = section_rates(b, R_i, R_j, axis, rates);
-  const Vec3<T> shear = g.c_D * s.v_s, F = g.c_A * s.v_n * axis.d + shear;
-  const Vec3<T> half = T(0.5) * cross(axis.D * axis.d, shear);
-  const Vec3<T> couple = g.c_B * s.w_t + g.c_T * s.w_n * axis.d;
-  return {F, R_i * cross(b.n_i[0], F) + half + couple, half - couple - R_j * cross(b.n_j[0], F)};
+  const Vec3<T> F = g.c_A * s.v_n * axis.d + g.c_D * s.v_s;
+  const Vec3<T> half_F = T(0.5) * F, half = cross(b.r_ij, half_F);
+  const Vec3<T> couple = g.c_B * s.w_t + g.c_T * s.w_n * axis.d + cross(sum_of_levers(b, R_i, R_j), half_F);
+  return {F, half + couple, half - couple};
 }
 
 /// The power that damping takes out of the motion of a bond, by channel.  [energy/time]
