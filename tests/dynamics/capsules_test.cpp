@@ -35,6 +35,11 @@ TEST(NearestOnSegments, IsTheLeastOfAllPoints) {
       const double s = dice(0, 1), t = nearest_on_segment(on_segment(p, p_1, s), q, q_1);
       EXPECT_LE(at.distance2, norm2(on_segment(q, q_1, t) - on_segment(p, p_1, s)) + 1e-14);
     }
+    const double distance = std::sqrt(at.distance2);
+    const Vec3d apart = (on_segment(q, q_1, at.t) - on_segment(p, p_1, at.s)) / distance, other = point();
+    EXPECT_TRUE(distance < 1e-3 || farther_apart_along(apart, p, p_1, q, q_1, distance - 1e-9));
+    for (const Vec3d& n : {apart, other / norm(other)})
+      EXPECT_FALSE(farther_apart_along(n, p, p_1, q, q_1, distance + 1e-14));
   }
 }
 

@@ -103,6 +103,7 @@ void Capsules::list_near_pairs() {
   if (!r) return;  // the check of loads will tell
   near_ = fibres_.near_pairs(*r, cell_, skin_);
   std::sort(near_.begin(), near_.end(), [](const FibrePair& a, const FibrePair& b) { return a.gap < b.gap; });
+  apart_along_.assign(near_.size(), {});
   listed_at_ = cell_;
   if (!cell_.empty())
     farthest_image_ =
@@ -153,16 +154,25 @@ const TouchNumbers<double>& Capsules::numbers(const FibreContact& c) const {
   return numbers_[model_.material_of(c.a.i.particle) * materials_ + model_.material_of(c.b.i.particle)];
 }
 
-/// All that overlap now, each thread looking at its share of near pairs.
+/// All that overlap now, each thread looking at its share of near pairs. Two that are apart mostly are along
+/// the line that they were apart along before.
 std::vector<FibreContact> Capsules::find(const Team& team) {
   of_part_.resize(team.parts().size());
   team.for_parts([&](const Part& part) {
     std::vector<FibreContact>& found = of_part_[part.index];
     found.clear();
     const std::size_t n = look_at_, shares = of_part_.size();
-    for (std::size_t k = n * part.index / shares; k < n * (part.index + 1) / shares; ++k)
-      if (const auto c = contact_of(fibres_.parts(), near_[k], [this](const ImageOf& p) { return place(p); }))
+    for (std::size_t k = n * part.index / shares; k < n * (part.index + 1) / shares; ++k) {
+      const PlacedPair of = placed(fibres_.parts(), near_[k], [this](const ImageOf& p) { return place(p); });
+      const double apart = (1.0 + 1e-9) * (of.x.R + of.y.R);  // as rounded
+      if (farther_apart_along(apart_along_[k], of.x_i, of.x_j, of.y_i, of.y_j, apart)) continue;
+      const NearestOnSegments at = of.nearest();
+      if (const auto c = contact_at(near_[k], of, at))
         found.push_back(*c);
+      else
+        apart_along_[k] = between(on_segment(of.x_i, of.x_j, at.s), on_segment(of.y_i, of.y_j, at.t)) /
+                          std::sqrt(at.distance2);
+    }
   });
   std::vector<FibreContact> all;
   for (const auto& found : of_part_) all.insert(all.end(), found.begin(), found.end());

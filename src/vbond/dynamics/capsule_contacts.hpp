@@ -117,6 +117,7 @@ class Capsules {
   bool any_ = false, listed_ = false, deep_ = false;
   double skin_ = 0;                         // near pairs are listed so far beyond what touches  [length]
   std::vector<FibrePair> near_;             // by their gaps then
+  std::vector<Vec3d> apart_along_;          // of each, a unit vector once they were apart
   double gone_ = 0;                         // the longest way since then  [length]
   std::size_t look_at_ = 0;                 // the first so many may touch
   PerParticle<Vec3d> r_listed_;             // places then

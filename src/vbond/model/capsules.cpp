@@ -243,18 +243,29 @@ std::string FibreParts::name_of(std::uint32_t part) const {
 void merge(std::vector<FibreContact>& contacts) {
   const auto place = [](const FibreContact& c) { return std::tie(c.a.i, c.a.j, c.b.i, c.b.j, c.a.R, c.b.R); };
   const auto parts = [](const FibreContact& c) { return std::tuple(!c.body, c.first, c.second); };
-  std::sort(contacts.begin(), contacts.end(), [&](const FibreContact& x, const FibreContact& y) {
-    const auto order = place(x) <=> place(y);
-    return order != 0 ? order < 0 : parts(x) < parts(y);  // those of bodies first
+  struct Sorted {
+    std::uint64_t ends;  // of a, by which most differ: a.i is a particle itself
+    const FibreContact* contact;
+  };
+  std::vector<Sorted> sorted;
+  sorted.reserve(contacts.size());
+  for (const FibreContact& c : contacts)
+    sorted.push_back({std::uint64_t{c.a.i.particle.value} << 32 | c.a.j.particle.value, &c});
+  std::sort(sorted.begin(), sorted.end(), [&](const Sorted& x, const Sorted& y) {
+    if (x.ends != y.ends) return x.ends < y.ends;
+    const auto order = place(*x.contact) <=> place(*y.contact);
+    return order != 0 ? order < 0 : parts(*x.contact) < parts(*y.contact);  // those of bodies first
   });
-  std::size_t merged = 0;
-  for (std::size_t k = 0; k < contacts.size();) {
-    FibreContact all = contacts[k];
-    for (++k; k < contacts.size() && place(contacts[k]) == place(all); ++k) all.weight += contacts[k].weight;
+  std::vector<FibreContact> merged;
+  merged.reserve(contacts.size());
+  for (std::size_t k = 0; k < sorted.size();) {
+    FibreContact all = *sorted[k].contact;
+    for (++k; k < sorted.size() && place(*sorted[k].contact) == place(all); ++k)
+      all.weight += sorted[k].contact->weight;
     all.body = all.body && all.weight > 0;
-    if (all.weight != 0) contacts[merged++] = all;
+    if (all.weight != 0) merged.push_back(all);
   }
-  contacts.resize(merged);
+  contacts = std::move(merged);
 }
 
 std::vector<FibreContact> fibre_contacts(const Model& model, const State& s) {

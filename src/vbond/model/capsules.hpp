@@ -121,18 +121,33 @@ class FibreParts {
   std::vector<Entry> entries_;      // its bonds
 };
 
-/// Where two parts are nearest, if they overlap; r(p) is the position of a particle or image.
+/// The two parts of a pair, and the ends of their axes where they stand.
+struct PlacedPair {
+  FibrePart x, y;
+  Vec3d x_i, x_j, y_i, y_j;
+  NearestOnSegments nearest() const { return nearest_on_segments(x_i, x_j, y_i, y_j); }
+};
+/// r(p) is the position of a particle or image.
 template <class PositionOf>
-std::optional<FibreContact> contact_of(const std::vector<FibrePart>& parts, const FibrePair& pair,
-                                       PositionOf r) {
+PlacedPair placed(const std::vector<FibrePart>& parts, const FibrePair& pair, PositionOf r) {
   const FibrePart &x = parts[pair.first], y = carried(parts[pair.second], pair.of_second);
-  const NearestOnSegments at = nearest_on_segments(r(x.i), r(x.j), r(y.i), r(y.j));
-  if (at.distance2 >= (x.R + y.R) * (x.R + y.R)) return std::nullopt;  // NaN goes on: the load check finds it
+  return {x, y, r(x.i), r(x.j), r(y.i), r(y.j)};
+}
+/// The contact where two parts are nearest, if they overlap there.
+inline std::optional<FibreContact> contact_at(const FibrePair& pair, const PlacedPair& of,
+                                              const NearestOnSegments& at) {
+  if (at.distance2 >= sq(of.x.R + of.y.R)) return std::nullopt;  // NaN goes on: the load check finds it
   const auto place = [](const FibrePart& part, double s) {
     if (s == 0.0 || !part.is_capsule()) return FibrePlace{part.i, part.i, 0.0, part.R};
     return s == 1.0 ? FibrePlace{part.j, part.j, 0.0, part.R} : FibrePlace{part.i, part.j, s, part.R};
   };
-  return in_order({place(x, at.s), place(y, at.t), pair.first, pair.second, pair.weight, pair.bodies});
+  return in_order({place(of.x, at.s), place(of.y, at.t), pair.first, pair.second, pair.weight, pair.bodies});
+}
+template <class PositionOf>
+std::optional<FibreContact> contact_of(const std::vector<FibrePart>& parts, const FibrePair& pair,
+                                       PositionOf r) {
+  const PlacedPair of = placed(parts, pair, r);
+  return contact_at(pair, of, of.nearest());
 }
 
 /// The places that a memory is of, and back.
