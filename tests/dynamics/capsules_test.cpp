@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "fibres.hpp"
+#include "teams.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/model/energies.hpp"
 #include "vbond/model/step_bound.hpp"
@@ -285,6 +286,38 @@ TEST(CapsulesNear, PairsOfASmallMarginAreThoseOfALargeOneThatAreNear) {
   EXPECT_GT(std::count_if(touching.begin(), touching.end(), is_within), 20);
   EXPECT_EQ(touching, near(0.7, 0.0));
   EXPECT_EQ(near(0.3, 0.3), near(0.7, 0.3));
+}
+
+// Bonds without capsules say who may touch, and not who is near: when one breaks, the bodies that were near
+// serve again. Loads are those of a list made anew, also after a capsule has gone.
+TEST(CapsulesNear, AreTheSameAsListedAnewAfterAnyBondBreaks) {
+  Specimen s = fibres({line({0, 0, -0.15}, {0.7, 0, 0}, 6), line({0, 0, 0.15}, {0.1, 0.7, 0}, 6)}, rough());
+  bond(s, 2, 8, papers_bond());
+  const BondId glue{s.state.bonds.size() - 1};
+  const Bodies bodies(s.model);
+  const Stage stage;
+  const Team team = team_of(1, s.model.particles());
+  Capsules kept(s.model, stage, bodies, s.state.cell);
+  const auto look_at = [&](Capsules& of) {
+    of.bonds_changed(s.state.bonds);
+    of.refresh();
+    of.work_out(team, 0.0);
+    return of.near_pairs();
+  };
+  const std::size_t glued = look_at(kept);
+  EXPECT_TRUE(kept.shares().empty());
+  for (const BondId broken : {glue, BondId{2}}) {
+    s.state.bonds[broken].broken = true;
+    Capsules anew(s.model, stage, bodies, s.state.cell);
+    EXPECT_EQ(look_at(kept), look_at(anew));
+    EXPECT_GT(kept.near_pairs(), broken == glue ? glued : 0);
+    ASSERT_EQ(kept.shares().size(), anew.shares().size());
+    EXPECT_EQ(kept.shares().empty(), broken != glue);
+    for (std::size_t k = 0; k < kept.shares().size(); ++k) {
+      EXPECT_EQ(kept.shares()[k].F, anew.shares()[k].F);
+      EXPECT_EQ(kept.shares()[k].M, anew.shares()[k].M);
+    }
+  }
 }
 
 // Few large balls among thin fibres make neither the cells nor the lists of these larger: as many pairs are

@@ -72,10 +72,11 @@ Capsules::Capsules(const Model& model, const Stage& stage, const Bodies& bodies,
 
 void Capsules::bonds_changed(const PerBond<Bond>& bonds) {
   any_ = any_capsules(model_.contact, bonds);
-  listed_ = false;
-  if (!any_) return;
+  const FibreParts before = std::exchange(fibres_, any_ ? FibreParts(model_, bonds) : FibreParts());
+  listed_ = listed_ && fibres_.parts() == before.parts();
+  if (listed_) take_near_pairs();  // other bonds change who may touch, not who is near
+  if (!any_ || listed_) return;
   masses_ = ContactMasses(model_, stage_.supports);
-  fibres_ = FibreParts(model_, bonds);
   double sum = 0.0;  // as of other contacts: few large balls must not fill the lists of many thin fibres
   for (const FibrePart& p : fibres_.parts()) sum += p.R;
   skin_ = 0.6 * sum / static_cast<double>(fibres_.parts().size());
@@ -101,15 +102,21 @@ void Capsules::list_near_pairs() {
   near_.clear();
   auto r = finite_places();
   if (!r) return;  // the check of loads will tell
-  near_ = fibres_.near_pairs(*r, cell_, skin_);
-  std::sort(near_.begin(), near_.end(), [](const FibrePair& a, const FibrePair& b) { return a.gap < b.gap; });
-  apart_along_.assign(near_.size(), {});
+  near_bodies_ = fibres_.near_bodies(*r, cell_, skin_);
   listed_at_ = cell_;
   if (!cell_.empty())
     farthest_image_ =
         farthest_images(cell_, model_.cell.periodic, r->values(), fibres_.reach(*r, cell_) + 2.0 * skin_);
   r_listed_ = *std::move(r);
   listed_ = true;
+  take_near_pairs();
+}
+
+/// From the bodies that are near.
+void Capsules::take_near_pairs() {
+  near_ = fibres_.near_pairs(near_bodies_, r_listed_, listed_at_, skin_);
+  std::sort(near_.begin(), near_.end(), [](const FibrePair& a, const FibrePair& b) { return a.gap < b.gap; });
+  apart_along_.assign(near_.size(), {});
 }
 
 /// Of a particle since near pairs were listed, and of images with the cell; infinite where one is nowhere.

@@ -93,6 +93,7 @@ class Capsules {
   }
   std::optional<PerParticle<Vec3d>> finite_places() const;
   void list_near_pairs();
+  void take_near_pairs();
   double way_since_listed() const;
   std::size_t may_have_come_nearer_by(double way) const;
   double way_of_images() const;
@@ -116,6 +117,7 @@ class Capsules {
   FibreParts fibres_;
   bool any_ = false, listed_ = false, deep_ = false;
   double skin_ = 0;                         // near pairs are listed so far beyond what touches  [length]
+  std::vector<FibrePair> near_bodies_;      // as listed, whether or not they may touch
   std::vector<FibrePair> near_;             // by their gaps then
   std::vector<Vec3d> apart_along_;          // of each, a unit vector once they were apart
   double gone_ = 0;                         // the longest way since then  [length]

@@ -164,11 +164,16 @@ int FibreParts::weight(const FibrePart& x, const FibrePart& y) const {
   return faces > 0 ? 1 - faces - lines : 0;
 }
 
-/// A particle within fibres is nearer to nobody than its capsules are. So what it is near to follows from
-/// them, and it counts only where they may touch.
-std::vector<FibrePair> FibreParts::near_pairs(const PerParticle<Vec3d>& r, const CellEdges& cell,
-                                              double margin) const {
+/// Between one part and image n of another; < 0: they overlap.
+double FibreParts::gap(std::uint32_t first, std::uint32_t second, const Image& n, const PerParticle<Vec3d>& r,
+                       const CellEdges& cell) const {
+  const FibrePart &x = parts_[first], y = carried(parts_[second], n);
   const auto at = [&](const ImageOf& p) { return place_of(r, cell, p); };
+  return std::sqrt(nearest_on_segments(at(x.i), at(x.j), at(y.i), at(y.j)).distance2) - (x.R + y.R);
+}
+
+std::vector<FibrePair> FibreParts::near_bodies(const PerParticle<Vec3d>& r, const CellEdges& cell,
+                                               double margin) const {
   std::vector<Vec3d> middle;
   std::vector<double> reach;
   std::vector<BoundingBox> box;  // with what may touch
@@ -176,33 +181,46 @@ std::vector<FibrePair> FibreParts::near_pairs(const PerParticle<Vec3d>& r, const
   for (std::uint32_t k = 0; k < parts_.size(); ++k) {
     const FibrePart& p = parts_[k];
     if (!is_body(p)) continue;
-    const Vec3d r_i = at(p.i), r_j = at(p.j);
+    const Vec3d r_i = place_of(r, cell, p.i), r_j = place_of(r, cell, p.j);
     bodies.push_back(k);
     middle.push_back(0.5 * (r_i + r_j));
     reach.push_back(0.5 * norm(between(r_i, r_j)) + p.R);
     box.emplace_back();
     for (const Vec3d& end : {r_i, r_j}) box.back().add(end, (1.0 + 1e-9) * p.R + 0.5 * margin);
   }
-  std::vector<FibrePair> pairs;
-  const auto add_if_near = [&](std::uint32_t k, std::uint32_t l, const Image& n) {
-    const FibrePart &x = parts_[k], y = carried(parts_[l], n);
-    const double distance2 = nearest_on_segments(at(x.i), at(x.j), at(y.i), at(y.j)).distance2;
-    if (distance2 > sq(x.R + y.R + margin)) return false;
-    const int w = weight(x, y);
-    if (w != 0) pairs.push_back({k, l, n, w, is_body(x) && is_body(y), std::sqrt(distance2) - (x.R + y.R)});
-    return w != 0;
-  };
-  std::vector<std::tuple<std::uint32_t, std::uint32_t, Image>> within;  // pairs with particles within fibres
+  std::vector<FibrePair> near;
   for_overlapping_images(cell, periodic_, middle, reach, margin,
                          [&](std::size_t a, std::size_t b, const Image& n, double) {
                            const std::uint32_t k = bodies[a], l = bodies[b];
                            if (!is_of_fibre(parts_[k]) && !is_of_fibre(parts_[l])) return;
                            if (n.is_itself() && !overlap(box[a], box[b])) return;
-                           if (add_if_near(k, l, n)) add_particles_within(k, l, n, within);
+                           if (const double apart = gap(k, l, n, r, cell); apart <= margin)
+                             near.push_back({k, l, n, 0, true, apart});
                          });
+  return near;
+}
+
+/// A particle within fibres is nearer to nobody than its capsules are. So what it is near to follows from
+/// them, and it counts only where they may touch.
+std::vector<FibrePair> FibreParts::near_pairs(const std::vector<FibrePair>& bodies,
+                                              const PerParticle<Vec3d>& r, const CellEdges& cell,
+                                              double margin) const {
+  std::vector<FibrePair> pairs;
+  std::vector<std::tuple<std::uint32_t, std::uint32_t, Image>> within;  // pairs with particles within fibres
+  for (FibrePair pair : bodies) {
+    pair.weight = weight(parts_[pair.first], carried(parts_[pair.second], pair.of_second));
+    if (pair.weight == 0) continue;
+    pairs.push_back(pair);
+    add_particles_within(pair.first, pair.second, pair.of_second, within);
+  }
   std::sort(within.begin(), within.end());
   within.erase(std::unique(within.begin(), within.end()), within.end());
-  for (const auto& [k, l, n] : within) add_if_near(k, l, n);
+  for (const auto& [k, l, n] : within) {
+    const double apart = gap(k, l, n, r, cell);
+    if (!(apart <= margin)) continue;
+    const int w = weight(parts_[k], carried(parts_[l], n));
+    if (w != 0) pairs.push_back({k, l, n, w, false, apart});
+  }
   return pairs;
 }
 

@@ -30,6 +30,7 @@ struct FibrePart {
   double R = 0;  ///< of a particle with capsules that of the thinnest  [length]
   BondId bond{};
   bool is_capsule() const { return i != j; }
+  friend bool operator==(const FibrePart&, const FibrePart&) = default;
 };
 /// Its image n.
 inline FibrePart carried(FibrePart part, const Image& n) {
@@ -85,7 +86,14 @@ class FibreParts {
   const std::vector<FibrePart>& parts() const { return parts_; }
   /// All pairs that are less than `margin` from touching, each once, in no special order, for finite
   /// positions.
-  std::vector<FibrePair> near_pairs(const PerParticle<Vec3d>& r, const CellEdges& cell, double margin) const;
+  std::vector<FibrePair> near_pairs(const PerParticle<Vec3d>& r, const CellEdges& cell, double margin) const {
+    return near_pairs(near_bodies(r, cell, margin), r, cell, margin);
+  }
+  /// Bodies that are so near, whether or not they may touch: they depend on parts and places alone.
+  std::vector<FibrePair> near_bodies(const PerParticle<Vec3d>& r, const CellEdges& cell, double margin) const;
+  /// All pairs, from the bodies that are so near.
+  std::vector<FibrePair> near_pairs(const std::vector<FibrePair>& bodies, const PerParticle<Vec3d>& r,
+                                    const CellEdges& cell, double margin) const;
   /// Two bodies; what is bonded to one end of the other does not touch it, so that a fibre may bend.
   bool may_touch(const FibrePart& x, const FibrePart& y) const;
   /// How far apart the first ends of two parts that touch may be.  [length]
@@ -107,6 +115,8 @@ class FibreParts {
   bool is_body(const FibrePart& part) const { return part.is_capsule() || capsules_[part.i.particle] == 0; }
   bool is_of_fibre(const FibrePart& part) const { return of_fibre_[part.i.particle.value] != 0; }
   int weight(const FibrePart& x, const FibrePart& y) const;
+  double gap(std::uint32_t first, std::uint32_t second, const Image& n, const PerParticle<Vec3d>& r,
+             const CellEdges& cell) const;
   int weight_of_line(const FibrePart& body, const ImageOf& p) const;
   template <class Pairs>
   void add_particles_within(std::uint32_t first, std::uint32_t second, const Image& n, Pairs& pairs) const;
