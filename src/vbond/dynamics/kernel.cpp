@@ -31,7 +31,8 @@ VBOND_HD double kick_rows(RowRange rows, double h, const InverseInertia* inverse
         (v_before + step * per_inertia * F).store(v);
         sum[n][part / lanes] = sum[n][part / lanes] + F;
       }
-  return 0.0 * (sum_of_row(sum[0]) + sum_of_row(sum[1]));
+  for (std::size_t part = 0; part < 8 / lanes; ++part) sum[0][part] = sum[0][part] + sum[1][part];
+  return 0.0 * sum_of_row(sum[0]);
 }
 
 double kick(RowRange rows, double h, const InverseInertia* inverse, const LoadRow* load, MotionRow* motion,
