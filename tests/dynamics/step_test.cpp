@@ -334,6 +334,29 @@ void expect_same_bonds(PackLoops<P> BondLoops::*loops, const BondType& type, std
   EXPECT_TRUE(std::any_of(first_broken.begin(), first_broken.end(), any)) << "no bond broke";
 }
 
+// Rows up to the next multiple of eight may be taken with the last one, those after it never.
+TEST(StepKernel, KicksAndMovesRangesThatEndAnywhere) {
+  const RandomRows start = random_rows(40, 0.1, 9);
+  for (const StepKernel* kernel : available_kernels()) {
+    const auto moved = [&](std::size_t last) {
+      RandomRows rows = start;
+      kernel->kick({8, last}, 0.01, rows.per.data(), rows.load.data(), rows.motion.data(), nullptr);
+      kernel->drift({8, last}, 0.01, rows.motion.data(), rows.pose.data());
+      return rows;
+    };
+    const RandomRows all = moved(40);
+    for (std::size_t last = 9; last < 40; ++last) {
+      const RandomRows rows = moved(last);
+      for (std::size_t k = 0; k < 40; ++k) {
+        if (k >= last && k < filled_up(last)) continue;
+        const RandomRows& as = k < last ? all : start;
+        EXPECT_TRUE(rows.pose[k].r == as.pose[k].r && rows.pose[k].q == as.pose[k].q) << kernel->name;
+        EXPECT_TRUE(rows.motion[k].v == as.motion[k].v && rows.motion[k].omega == as.motion[k].omega);
+      }
+    }
+  }
+}
+
 // Every lane rounds as a scalar does, and no kernel fuses a multiplication with an addition.
 TEST(StepKernel, GivesTheSameBitsWithEveryInstructionSet) {
   const std::vector<const StepKernel*> kernels = available_kernels();
