@@ -146,17 +146,19 @@ struct RowsOfBlock {
   }
 };
 
+/// The first `width` numbers of each side, which are `length` apart.
+bool are_all_zero(const double* x, int width, int sides, std::ptrdiff_t length) {
+  for (int s = 0; s < sides; ++s)
+    if (std::any_of(x + s * length, x + s * length + width, [](double number) { return number != 0.0; }))
+      return false;
+  return true;
+}
+
 }  // namespace
 
 void SingleFactor::forward(int b, int sides, double* x, double* local) const {
   const auto [first, width, height] = blocks_.block(b);
-  const auto is_zero = [&] {
-    for (int s = 0; s < sides; ++s)
-      for (const double *at = x + s * length_ + first, *end = at + width; at != end; ++at)
-        if (*at != 0.0) return false;
-    return true;
-  };
-  if (is_zero()) return;  // of a side with few numbers that are not: nothing comes of these
+  if (are_all_zero(x + first, width, sides, length_)) return;  // few numbers of a side are not
   const auto k = static_cast<std::size_t>(b);
   const RowsOfBlock rows{blocks_.rows.data() + blocks_.from[k], height, sides, length_, stride_};
   rows.fetch(x, local);
