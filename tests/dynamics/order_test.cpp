@@ -49,7 +49,7 @@ TEST(Order, OfAPartHasOwnParticlesFirstAndThenItsGhosts) {
   EXPECT_EQ(part.particle.values(),
             (std::vector{ParticleId{2}, sent, ParticleId{3}, ParticleId{1}, ParticleId{0}}));
   for (const ParticleId p : r.ids()) EXPECT_EQ(part.particle[part.row[p]], p);
-  EXPECT_TRUE(part.is_sent(0));
+  EXPECT_TRUE(part.is_early(0));
   EXPECT_EQ(part.own, 2u);
   EXPECT_EQ(part.known, 3u);
   EXPECT_TRUE(part.has(ParticleId{4}) && part.knows(ParticleId{3}));
@@ -65,7 +65,7 @@ TEST(Order, OfAPartMayHaveOneRowForAllOthers) {
   for (const double x : {4.0, 0.0, 3.0, 1.0, 2.0}) r.push_back({x, 0, 0});
   const Order whole = spatial_order(r);
   const Holding holding{
-      .own = {ParticleId{2}}, .sent = {}, .ghosts = {{ParticleId{3}, {}}}, .others_in_one_row = true};
+      .own = {ParticleId{2}}, .early = {}, .ghosts = {{ParticleId{3}, {}}}, .others_in_one_row = true};
   const Order part = part_of(whole, holding);
   EXPECT_EQ(part.known, 2u);
   EXPECT_EQ(part.particle.size(), 3u);

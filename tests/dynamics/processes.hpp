@@ -39,12 +39,13 @@ class ProcessOf : public Base {
  public:
   ProcessOf(Meeting& meeting, std::size_t rank) : meeting_(meeting), rank_(rank) {}
 
-  void halo(const HaloColumns& columns) override {
+  void begin_halo(const HaloColumns& columns) override {
     for (const ImageRow& g : images) {
       columns.pose[g.row].r = g.r;
       columns.carry(g.row, g.image);
     }
   }
+  void end_halo(const HaloColumns&) override {}
   void reverse_sum(std::span<LoadRow>) override {}
   void sum(std::span<double> x) const override {
     combine(x, [](double a, double b) { return a + b; });

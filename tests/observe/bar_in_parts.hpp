@@ -82,7 +82,7 @@ inline Specimen random_bar(unsigned seed, bool touches, bool periodic) {
 inline Share part_of_bar(const Specimen& s, State& state, std::size_t k, std::size_t parts,
                          std::vector<ImageRow>& images) {
   const auto owner = [&](ParticleId p) { return std::min(parts - 1, p.value * parts / s.model.particles()); };
-  Holding holding{.own = {}, .sent = {}, .ghosts = {}, .others_in_one_row = true};
+  Holding holding{.own = {}, .early = {}, .ghosts = {}, .others_in_one_row = true};
   PerParticle<char> known(s.model.particles(), 0);
   for (const ParticleId p : known.ids())
     if (owner(p) == k && !is_absent(state, p)) holding.own.push_back(p), known[p] = 1;

@@ -40,7 +40,7 @@ struct Parts {
     return norm(state.r[p] - state.r[q]) <= (1.0 + margin) * reach;
   }
   Share share(std::size_t k, bool tells_boxes) const {
-    Holding holding{.own = {}, .sent = {}, .ghosts = {}, .others_in_one_row = true};
+    Holding holding{.own = {}, .early = {}, .ghosts = {}, .others_in_one_row = true};
     std::vector<BoundingBox> boxes(number);
     for (const ParticleId p : state.r.ids()) {
       boxes[of(p)].add(state.r[p]);

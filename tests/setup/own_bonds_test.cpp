@@ -45,7 +45,7 @@ bool is_of(ParticleId p, std::size_t process, std::size_t processes) {
   return (p.value * 7 + p.value / 3) % processes == process;
 }
 Order order_of(const Built& b, std::size_t process, std::size_t processes) {
-  Holding holding{.own = {}, .sent = {}, .ghosts = {}, .others_in_one_row = true};
+  Holding holding{.own = {}, .early = {}, .ghosts = {}, .others_in_one_row = true};
   const auto ghost = [&](ParticleId p) {
     if (!is_of(p, process, processes)) holding.ghosts.push_back({p, {}});
   };

@@ -28,6 +28,11 @@ std::size_t upper_row(const Bond& b, const Order& order) {
   return std::max(order.row_i(b), order.row_j(b)).value;
 }
 
+std::size_t row_of_work(const Bond& b, const Order& order) {
+  const std::size_t upper = upper_row(b, order);
+  return order.ghost_bonds_last && upper >= order.ghosts ? upper : lower_row(b, order);
+}
+
 void put(const Quatd& q, std::size_t l, double (&to)[4][pack_bonds]) {
   to[0][l] = q.w, to[1][l] = q.x, to[2][l] = q.y, to[3][l] = q.z;
 }
@@ -58,7 +63,7 @@ void for_stretches(const Items& items, Alike alike, F f) {
 
 /// A bond with what it is sorted by.
 struct BondPacks::Sorted {
-  std::size_t row;  // the lower one
+  std::size_t row;  // the one with whose block it is worked on
   Kind kind;
   BondId bond;
   bool expands;
@@ -107,7 +112,7 @@ void BondPacks::arrange(const State& state, const Order& order, const Team& team
     if (bonds[b].broken || !order.has(bonds[b].i)) continue;
     note(bonds[b]);
     ++bonds_;
-    sorted.push_back({lower_row(bonds[b], order), kind, b, expands});
+    sorted.push_back({row_of_work(bonds[b], order), kind, b, expands});
   }
   tell_each_other(all);
   std::sort(sorted.begin(), sorted.end(), [](const Sorted& a, const Sorted& b) {
@@ -134,6 +139,7 @@ void BondPacks::arrange(const State& state, const Order& order, const Team& team
   while (first_run_.size() <= team.blocks()) first_run_.push_back(runs_.size());
 
   at_border_.assign(team.blocks(), 0);
+  waits_for_ghosts_.assign(team.blocks(), 0);
   for (std::size_t k = 0; k < team.blocks(); ++k) reach_.push_back(k + 1);
   struct Crossing {
     Sorted bond;
@@ -141,8 +147,10 @@ void BondPacks::arrange(const State& state, const Order& order, const Team& team
   };
   std::vector<Crossing> crossing;  // from part to part
   for (const Sorted& s : sorted) {
+    const std::size_t lower_block = lower_row(bonds[s.bond], order) / block_rows;
+    if (lower_block != s.block()) waits_for_ghosts_[lower_block] = 1;
     const std::size_t upper = upper_row(bonds[s.bond], order), block = upper / block_rows;
-    if (upper < order.own && !order.is_sent(block))
+    if (upper < order.own && !order.is_early(block))
       reach_[s.block()] = std::max(reach_[s.block()], block + 1);
     if (team.part_of_row(s.row).has(upper)) continue;
     crossing.push_back({s, upper});

@@ -16,15 +16,16 @@
 
 namespace vbond {
 
-/// A bond is worked on with the block of its lower row.
+/// A bond is worked on with the block of its lower row, or with that of a ghost.
 inline std::size_t lower_row(const Bond& b, const Order& order) {
   return std::min(order.row_i(b), order.row_j(b)).value;
 }
 
 /// The constants of all bonds in the order in which the step loop works through them: by the block of the
-/// lower of their two rows, in a block by kind, then by that row and in order of creation. This order fixes
-/// the order in which loads are summed for each particle, whatever the number of threads. Once the bonds of a
-/// block and all before it are done, the loads of that block's particles are complete.
+/// lower of their two rows (with ghosts by that of the ghost, if the order says so), in a block by kind, then
+/// by that row and in order of creation. This order fixes the order in which loads are summed for each
+/// particle, whatever the number of threads. Once the bonds of a block and all before it are done, the loads
+/// of that block's particles are complete, but for bonds with ghosts.
 class BondPacks {
  public:
   /// To be called whenever bonds were made, by all parts together. Broken bonds are left out; of a body in
@@ -59,13 +60,15 @@ class BondPacks {
   /// What each bond remembers now; those that are broken are left as they are.
   void collect(PerBond<BondHistory>& history) const;
 
-  /// The bonds of this block join only rows of blocks before the one returned, besides sent particles and
-  /// ghosts.
+  /// The bonds of this block join only rows of blocks before the one returned, besides blocks that
+  /// move early, and ghosts.
   std::size_t reach(std::size_t block) const { return reach_[block]; }
+  /// Whether particles of this block have bonds that are worked on with the blocks of ghosts.
+  bool waits_for_ghosts(std::size_t block) const { return waits_for_ghosts_[block] != 0; }
   /// Whether a bond joins this block to another part.
   bool at_border(std::size_t block) const { return at_border_[block] != 0; }
 
-  /// Energy of all bonds, and those that need a closer look, in increasing order.
+  /// Energy of all bonds, and those that need a closer look, in increasing order. The team of arrange().
   Energies survey(const Team& team, const PoseRow* pose, std::vector<BondId>& deformed) const;
 
  private:
@@ -124,6 +127,7 @@ class BondPacks {
   std::vector<std::size_t> first_run_;                     // of each block, and the end
   std::vector<std::size_t> reach_;                         // of each block
   std::vector<std::uint8_t> at_border_;                    // of each block
+  std::vector<std::uint8_t> waits_for_ghosts_;             // of each block
   std::vector<std::vector<Run>> from_below_, from_above_;  // of each part
   std::vector<Lane> known_;  // those that may break or expand, in order of bonds, a bond at most twice
   bool reads_rates_ = false, damp_ = false, remembers_ = false, all_elastic_ = true;

@@ -30,7 +30,7 @@ CellImages::CellImages(const Order& order) : begin_(order.ghosts) {
   }
 }
 
-void CellImages::halo(const HaloColumns& columns) {
+void CellImages::begin_halo(const HaloColumns& columns) {
   for (std::size_t b = 0; b < first_.size(); ++b) halo_of_block(b, columns);
 }
 
@@ -102,9 +102,9 @@ Share whole_body(const Model& model, const Stage& stage, const State& state) {
   std::sort(images.begin(), images.end());
   images.erase(std::unique(images.begin(), images.end()), images.end());
   all.apart = !meet && !images.empty();  // parts then have images of their own
-  if (meet && !images.empty()) all.sent = all.own;
+  if (meet && !images.empty()) all.early = all.own;
   for (const ImageOf& of : images)
-    if (!meet && (all.sent.empty() || all.sent.back() != of.particle)) all.sent.push_back(of.particle);
+    if (!meet && (all.early.empty() || all.early.back() != of.particle)) all.early.push_back(of.particle);
   share.order = part_of(order, all);
   return share;
 }

@@ -17,7 +17,8 @@ class CellImages final : public Exchange {
  public:
   explicit CellImages(const Order& order);
 
-  void halo(const HaloColumns& columns) override;
+  void begin_halo(const HaloColumns& columns) override;
+  void end_halo(const HaloColumns&) override {}
   void reverse_sum(std::span<LoadRow> load) override;
   /// Rows of the images of the particles of blocks [first, last).
   RowRange rows_of(std::size_t first_block, std::size_t last_block) const {

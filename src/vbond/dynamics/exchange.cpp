@@ -5,7 +5,8 @@ namespace {
 
 class OneRank final : public Exchange {
  public:
-  void halo(const HaloColumns&) override {}
+  void begin_halo(const HaloColumns&) override {}
+  void end_halo(const HaloColumns&) override {}
   void reverse_sum(std::span<LoadRow>) override {}
 };
 

@@ -25,8 +25,11 @@ struct HaloColumns {
 /// one process steps whole, one_rank(), there is nobody to wait for.
 class Exchange : public Communicator {
  public:
-  /// Halo exchange: ghosts get what their particles have on the ranks that move them.
-  virtual void halo(const HaloColumns& columns) = 0;
+  /// Halo exchange: ghosts get what their particles have on the ranks that move them, by the end of
+  /// end_halo(), with the same columns. In between, all may go on with what does not concern ghosts.
+  virtual void begin_halo(const HaloColumns& columns) = 0;
+  virtual void end_halo(const HaloColumns& columns) = 0;
+  void halo(const HaloColumns& columns) { begin_halo(columns), end_halo(columns); }
   /// Reverse sum: particles get, in addition, the loads on their ghosts, which have none afterwards.
   virtual void reverse_sum(std::span<LoadRow> load) = 0;
 };

@@ -121,14 +121,15 @@ Order spatial_order(const PerParticle<Vec3d>& r, const std::vector<ParticleId>& 
 }
 
 Order part_of(const Order& whole, const Holding& holding) {
-  enum : char { inner, sent, ghost, absent };
+  enum : char { inner, early, ghost, absent };
   PerParticle<char> place(whole.row.size(), absent);
   for (const ImageOf& g : holding.ghosts)
     if (g.image.is_itself()) place[g.particle] = ghost;
   for (const ParticleId p : holding.own) place[p] = inner;
-  for (const ParticleId p : holding.sent) place[p] = sent;
+  for (const ParticleId p : holding.early) place[p] = early;
 
   Order part;
+  part.ghost_bonds_last = holding.ghost_bonds_last;
   PerParticle<Row> row(whole.row.size());
   const auto add = [&part, &row](ParticleId p) {
     row[p] = Row{part.particle.size()};
@@ -138,14 +139,14 @@ Order part_of(const Order& whole, const Holding& holding) {
   const auto add_slab = [&] {
     std::stable_partition(slab.begin(), slab.end(), [&place](ParticleId p) { return place[p] == inner; });
     for (const ParticleId p : slab) {
-      if (place[p] == sent)
-        part.sent_blocks.resize(part.particle.size() / block_rows + 1), part.sent_blocks.back() = 1;
+      if (place[p] == early)
+        part.early_blocks.resize(part.particle.size() / block_rows + 1), part.early_blocks.back() = 1;
       add(p);
     }
     slab.clear();
   };
   for (const ParticleId p : whole.particle) {
-    if (place[p] != inner && place[p] != sent) continue;
+    if (place[p] != inner && place[p] != early) continue;
     slab.push_back(p);
     if (slab.size() == slab_rows) add_slab();
   }
@@ -157,7 +158,7 @@ Order part_of(const Order& whole, const Holding& holding) {
   std::vector<std::pair<Row, ImageOf>> ghosts;
   bool any_image = false;
   for (const ImageOf& g : holding.ghosts) {
-    const bool own = place[g.particle] == inner || place[g.particle] == sent;
+    const bool own = place[g.particle] == inner || place[g.particle] == early;
     ghosts.emplace_back(own ? row[g.particle] : Row{part.own + whole.row[g.particle].value}, g);
     any_image |= !g.image.is_itself();
   }

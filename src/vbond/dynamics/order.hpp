@@ -35,16 +35,19 @@ class RowOf {
 
 /// Which particle stands in which row, and back. All particles have a row. Of a body that is stepped in
 /// parts, each by a process of its own, the first rows are those of the part. They are taken 4096 at a time;
-/// in each such slab those that are sent come last, so that few blocks have any. Then come its own ghosts,
+/// in each such slab those that move early come last, so that few blocks have any. Then come its own ghosts,
 /// particles of other parts and images of any that it may touch or is bonded to. All others may share one row
 /// behind these; what stands there is not known.
 struct Order {
   PerRow<ParticleId> particle;
   RowOf row;
-  std::size_t own = 0;            ///< rows [0, own) are moved here
-  std::size_t ghosts = 0;         ///< rows [ghosts, known) are ghosts; those before them, if any, are empty
-  std::size_t known = 0;          ///< rows [0, known) have the pose of now
-  std::vector<char> sent_blocks;  ///< of each block of own rows, whether some are sent; empty: none
+  std::size_t own = 0;             ///< rows [0, own) are moved here
+  std::size_t ghosts = 0;          ///< rows [ghosts, known) are ghosts; those before them, if any, are empty
+  std::size_t known = 0;           ///< rows [0, known) have the pose of now
+  std::vector<char> early_blocks;  ///< of each block of own rows, whether some move early; empty: none
+  /// Bonds with ghosts are worked on with the blocks of the ghosts, after all others: until then poses of
+  /// ghosts may be on their way.
+  bool ghost_bonds_last = false;
 
   /// Of a periodic body: which image of its particle each ghost is; empty: ghosts, if any, are particles of
   /// other parts.
@@ -63,7 +66,7 @@ struct Order {
   std::optional<Row> find(ParticleId p, const Image& n) const;
 
   bool is_empty(Row k) const { return k.value >= own && k.value < ghosts; }
-  bool is_sent(std::size_t block) const { return block < sent_blocks.size() && sent_blocks[block] != 0; }
+  bool is_early(std::size_t block) const { return block < early_blocks.size() && early_blocks[block] != 0; }
   bool has(ParticleId p) const { return row[p].value < own; }
   bool knows(ParticleId p) const { return row[p].value < known; }
   /// A column for the particles that have a row of their own.
@@ -96,11 +99,13 @@ Order spatial_order(const PerParticle<Vec3d>& r);
 /// The same of some particles, for part_of(): all others share one row, in which one of them stands.
 Order spatial_order(const PerParticle<Vec3d>& r, const std::vector<ParticleId>& some);
 
-/// The particles that a part of a body has, and its ghosts, each of them once. Of its own, some are sent:
-/// they are ghosts of other parts, or have images.
+/// The particles that a part of a body has, and its ghosts, each of them once. Of its own, some are to move
+/// before all others: ghosts of other parts, those that have images, and those bonded to ghosts if such bonds
+/// are worked on last.
 struct Holding {
-  std::vector<ParticleId> own, sent;
+  std::vector<ParticleId> own, early;
   std::vector<ImageOf> ghosts;
+  bool ghost_bonds_last = false;   ///< see Order
   bool apart = false;              ///< empty rows fill up the last rows_at_once before the ghosts
   bool others_in_one_row = false;  ///< all others share the last row; else each has one of its own
 };

@@ -20,10 +20,13 @@ void Simulation::step() {
     if (moves_first(b)) begin_step(b), carry_images(b);
   });
   lap.add_to(times_.integrate);
-  exchange_halo();
-  if (looks_at_ways()) find_touches(lap);
+  send_halo();
+  if (looks_at_ways()) {
+    if (halo_under_way_) receive_halo();
+    find_touches(lap);
+  }
   step_blocks(timed);                  // kick, drift: all others. Then loads; kick
-  complete_sent_blocks(Instant::end);  // of particles with ghosts
+  complete_late_blocks(Instant::end);  // of particles with ghosts
   end_step();                          // terms, cell, free grips
   close_books();
   const bool events = !only_elastic_ && find_events();  // bonds break
@@ -72,7 +75,7 @@ void Simulation::find_touches(StepTimes::Lap& lap) {
 }
 
 /// Blocks move, are loaded and kicked while they are in the cache, those of each part in their order, those
-/// that get loads from ghosts last of all or not yet.
+/// that get loads from ghosts last of all or not yet. Poses of ghosts may come as late as their own blocks.
 void Simulation::step_blocks(bool timed) {
   all_known().for_parts([&](const Part& part) {
     StepTimes::Lap lap_of_part(timed && part.index == 0);
@@ -81,14 +84,16 @@ void Simulation::step_blocks(bool timed) {
     for (std::size_t k = part.first_block; k < part.last_block; ++k) {
       for (; begun < std::min(bonds_.reach(k), last_moved); ++begun)
         if (!moves_first(team_.block(begun))) begin_step(team_.block(begun));
+      if (halo_under_way_ && all_known().block(k).rows.last > bodies_.order.ghosts) receive_halo();
       lap_of_part.add_to(times_.integrate);
       const RowsAhead ahead = begun < last_moved ? rows_of(team_.block(begun)) : RowsAhead{};
       add_mutual_loads(part, all_known().block(k), Instant::end, ahead, lap_of_part);
-      if (k >= last_moved || is_sent(team_.block(k))) continue;
+      if (k >= last_moved || is_late(team_.block(k))) continue;
       complete_block(team_.block(k), Instant::end, lap_of_part);
     }
     finish_part(part, Instant::end, lap_of_part);
   });
+  if (halo_under_way_) receive_halo();  // a part may have no block with ghosts
 }
 
 /// What is not particles, at the end of the step. Grips that are free in part need the loads of all their
@@ -118,7 +123,7 @@ void Simulation::end_step() {
 /// it, and stays in the cache until then; but before all others if another thread or process may look at it:
 /// at the border of a part, or anywhere where there are contacts.
 bool Simulation::moves_first(const Block& b) const {
-  return looks_at_ways() || bonds_.at_border(b.index) || is_sent(b);
+  return looks_at_ways() || bonds_.at_border(b.index) || is_early(b);
 }
 
 /// The half of a step before the loads.

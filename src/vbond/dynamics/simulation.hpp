@@ -286,11 +286,13 @@ class Simulation final : public BodyView, private MotionHost {
                const std::string& way_out) const override;
   HaloColumns halo_columns();
   void carry_images(const Block& block);
-  void exchange_halo();
-  bool is_sent(const Block& block) const;
+  void send_halo();
+  void receive_halo();
+  bool is_early(const Block& block) const;
+  bool is_late(const Block& block) const;
   void finish_part(const Part& part, Instant at, StepTimes::Lap& lap);
-  void complete_sent_block(const Block& block, Instant at, StepTimes::Lap& lap);
-  void complete_sent_blocks(Instant at);
+  void complete_late_block(const Block& block, Instant at, StepTimes::Lap& lap);
+  void complete_late_blocks(Instant at);
   /// Whether it is of interest how far particles go in a step: where something may touch, or be bonded to a
   /// ghost.
   bool looks_at_ways() const {
@@ -325,6 +327,7 @@ class Simulation final : public BodyView, private MotionHost {
   Exchange& exchange_;  // with the other parts, or with the images
   Team team_;
   std::optional<Team> with_ghosts_;  // of ranks, and where more than bonds concerns ghosts: in the last part
+  bool halo_under_way_ = false;
   BondPacks bonds_;
   BondIndex bond_index_;
   Contacts contacts_;

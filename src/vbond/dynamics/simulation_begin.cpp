@@ -183,7 +183,8 @@ void Simulation::evaluate_loads() {
   survey_.reset();
   if (inelastic()) bodies_.rates = bodies_.motion;
   team_.for_blocks([&](const Block& b) { carry_images(b); });
-  exchange_halo();
+  send_halo();
+  if (halo_under_way_) receive_halo();
   contacts_.refresh(bodies_.poses(), all_known());
   capsules_.refresh();
   work_out_touches(0.0);
@@ -194,12 +195,12 @@ void Simulation::evaluate_loads() {
     StepTimes::Lap untimed(false);
     for (std::size_t k = part.first_block; k < part.last_block; ++k) {
       add_mutual_loads(part, all_known().block(k), Instant::start, {}, untimed);
-      if (k < team_.blocks() && !is_sent(team_.block(k)))
+      if (k < team_.blocks() && !is_late(team_.block(k)))
         complete_block(team_.block(k), Instant::start, untimed);
     }
     finish_part(part, Instant::start, untimed);
   });
-  complete_sent_blocks(Instant::start);
+  complete_late_blocks(Instant::start);
   for (MotionTerm* t : terms_.all()) t->end_step(0.0);
   check_finite();
   agree_on_failure();

@@ -62,23 +62,30 @@ HaloColumns Simulation::halo_columns() {
 /// The images of a block that has moved get where their particles are, and where loads depend on it, how they
 /// move.
 void Simulation::carry_images(const Block& b) {
-  if (!parts_have_images() || !is_sent(b)) return;
+  if (!parts_have_images() || !is_early(b)) return;
   images_.halo_of_block(b.index, halo_columns());
   if (inelastic()) keep_rates(images_.rows_of(b.index, b.index + 1));
 }
 
-/// All ghosts get it, where parts have no images of their own.
-void Simulation::exchange_halo() {
+/// All ghosts get it, where parts have no images of their own; those of other parts until receive_halo().
+void Simulation::send_halo() {
   if (!with_ghosts_) return;
   for (std::size_t b = team_.blocks(); b < all_known().blocks(); ++b) books_[b] = {}, lost_[b] = {};
-  exchange_.halo(halo_columns());
+  exchange_.begin_halo(halo_columns());
+  halo_under_way_ = true;
+  if (!bodies_.order.ghost_bonds_last) receive_halo();
+}
+
+void Simulation::receive_halo() {
+  halo_under_way_ = false;
+  exchange_.end_halo(halo_columns());
   if (inelastic()) keep_rates({bodies_.order.ghosts, bodies_.order.known});
 }
 
 /// Whether particles of the block are ghosts of other parts, or have images; or it ends among ghosts, which
 /// must not move on with it once they have the poses of the step's end.
-bool Simulation::is_sent(const Block& b) const {
-  return bodies_.order.is_sent(b.index) || (with_ghosts_ && b.rows.last > bodies_.order.own);
+bool Simulation::is_early(const Block& b) const {
+  return bodies_.order.is_early(b.index) || (with_ghosts_ && b.rows.last > bodies_.order.own);
 }
 
 /// The sum over images of how many of each edge they are away times the force on them here, before it goes to
@@ -93,6 +100,12 @@ std::array<Vec3d, 3> Simulation::force_on_images() const {
   return sum;
 }
 
+/// Whether the block gets loads after its part has ended: those on ghosts of its particles, or those of bonds
+/// with ghosts.
+bool Simulation::is_late(const Block& b) const {
+  return is_early(b) || (with_ghosts_ && bonds_.waits_for_ghosts(b.index));
+}
+
 /// The end of a part that has images of its own: it goes on with the blocks of their particles at once,
 /// unless the cell moves and asks for the loads on all images.
 void Simulation::finish_part(const Part& part, Instant at, StepTimes::Lap& lap) {
@@ -102,13 +115,13 @@ void Simulation::finish_part(const Part& part, Instant at, StepTimes::Lap& lap) 
   lap.add_to(times_.bonds);
   if (cell_.any()) return;
   for (std::size_t b = part.first_block; b < part.last_block; ++b)
-    complete_sent_block(team_.block(b), at, lap);
+    complete_late_block(team_.block(b), at, lap);
 }
 
 /// What is done to ghosts goes to their particles: none is left here, so that nothing is counted twice. Then
 /// the block has all its loads.
-void Simulation::complete_sent_block(const Block& b, Instant at, StepTimes::Lap& lap) {
-  if (!is_sent(b)) return;
+void Simulation::complete_late_block(const Block& b, Instant at, StepTimes::Lap& lap) {
+  if (!is_late(b)) return;
   if (parts_have_images()) {
     images_.reverse_sum_of_block(b.index, bodies_.load);
     if (!bodies_.damping.empty()) images_.reverse_sum_of_block(b.index, bodies_.damping);
@@ -117,7 +130,7 @@ void Simulation::complete_sent_block(const Block& b, Instant at, StepTimes::Lap&
 }
 
 /// All of them, unless that is done.
-void Simulation::complete_sent_blocks(Instant at) {
+void Simulation::complete_late_blocks(Instant at) {
   if (cell_.any()) {
     cell_.take_forces(force_on_images());
     if (!bodies_.damping.empty()) cell_.take_damping(images_.edges_times_force(bodies_.damping));
@@ -129,7 +142,7 @@ void Simulation::complete_sent_blocks(Instant at) {
   }
   team_.for_blocks([&](const Block& b) {
     StepTimes::Lap untimed(false);
-    complete_sent_block(b, at, untimed);
+    complete_late_block(b, at, untimed);
   });
 }
 

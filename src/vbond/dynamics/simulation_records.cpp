@@ -160,7 +160,7 @@ std::optional<FastTurn> Simulation::fast_turn_here() const {
 /// Of what is worked out here.
 Survey Simulation::survey_here() const {
   Survey survey;
-  Energies& e = survey.energies = bonds_.survey(team_, bodies_.pose.data(), survey.deformed);
+  Energies& e = survey.energies = bonds_.survey(all_known(), bodies_.pose.data(), survey.deformed);
   const Energies kinetic = bodies_.kinetic_energy(team_, flow());
   e.kinetic_translation = kinetic.kinetic_translation;
   e.kinetic_rotation = kinetic.kinetic_rotation;

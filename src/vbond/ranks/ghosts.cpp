@@ -58,6 +58,13 @@ Places present_places(const State& state) {
   return all;
 }
 
+double longest_bond(const State& state) {
+  double longest2 = 0.0;
+  for (const Bond& b : state.bonds)
+    if (!b.broken) longest2 = std::max(longest2, norm2(between(state, b)));
+  return std::sqrt(longest2);
+}
+
 std::vector<ImageOf> ghosts_of(const std::vector<ParticleId>& own, Places among, const Model& model,
                                const State& state, double reach, bool all) {
   PerParticle<char> is_own(model.particles(), 0);
@@ -93,6 +100,28 @@ std::vector<ImageOf> ghosts_of(const std::vector<ParticleId>& own, Places among,
   std::sort(ghosts.begin(), ghosts.end());
   ghosts.erase(std::unique(ghosts.begin(), ghosts.end()), ghosts.end());
   return ghosts;
+}
+
+void put_in_rows(const Order& order, std::vector<ImageOf>& ghosts, std::vector<int>& owners) {
+  struct Ghost {
+    Row row;
+    ImageOf of;
+    int owner;
+  };
+  std::vector<Ghost> sorted;
+  for (std::size_t k = 0; k < ghosts.size(); ++k)
+    sorted.push_back({order.row[ghosts[k].particle], ghosts[k], owners[k]});
+  std::sort(sorted.begin(), sorted.end(),
+            [](const Ghost& a, const Ghost& b) { return std::pair(a.row, a.of) < std::pair(b.row, b.of); });
+  for (std::size_t k = 0; k < ghosts.size(); ++k) ghosts[k] = sorted[k].of, owners[k] = sorted[k].owner;
+}
+
+void add_bonded_to_ghosts(const std::vector<ParticleId>& own, const State& state,
+                          std::vector<ParticleId>& to) {
+  PerParticle<char> is_own(state.r.size());
+  for (const ParticleId p : own) is_own[p] = 1;
+  for (const Bond& b : state.bonds)
+    if (!b.broken && is_own[b.i] != 0 && (is_own[b.j] == 0 || !image_of_j(b).is_itself())) to.push_back(b.i);
 }
 
 }  // namespace vbond

@@ -27,6 +27,53 @@ Quatd take_quaternion(const double*& from) {
 
 }  // namespace
 
+/// Numbers that this rank and its neighbours exchange, one message each way. What is sent waits in `out`
+/// until the neighbour fetches it, which may be late: nobody waits for that before `out` is filled anew.
+class Halo::Mail {
+ public:
+  struct Box {
+    int rank = 0;
+    std::vector<double> out, in;
+  };
+  Mail(int tag, const std::vector<Neighbour>& neighbours) : tag_(tag) {
+    for (const Neighbour& n : neighbours) boxes.push_back({n.rank, {}, {}});
+  }
+  std::vector<Box> boxes;  ///< of each neighbour
+
+  void wait_until_sent();
+  /// `in` of all has the length of what comes.
+  void send(int this_rank);
+  void wait_until_received();
+
+ private:
+  int tag_;
+  std::vector<MPI_Request> sends_, receives_;
+};
+
+void Halo::Mail::wait_until_sent() {
+  MPI_Waitall(static_cast<int>(sends_.size()), sends_.data(), MPI_STATUSES_IGNORE);
+  sends_.clear();
+}
+
+void Halo::Mail::send(int this_rank) {
+  for (Box& b : boxes) {
+    if (b.rank == this_rank)
+      std::swap(b.in, b.out);
+    else if (!b.in.empty())
+      MPI_Irecv(b.in.data(), static_cast<int>(b.in.size()), MPI_DOUBLE, b.rank, tag_, MPI_COMM_WORLD,
+                &receives_.emplace_back());
+  }
+  for (const Box& b : boxes)
+    if (b.rank != this_rank && !b.out.empty())
+      MPI_Isend(b.out.data(), static_cast<int>(b.out.size()), MPI_DOUBLE, b.rank, tag_, MPI_COMM_WORLD,
+                &sends_.emplace_back());
+}
+
+void Halo::Mail::wait_until_received() {
+  MPI_Waitall(static_cast<int>(receives_.size()), receives_.data(), MPI_STATUSES_IGNORE);
+  receives_.clear();
+}
+
 Halo::Halo(const std::vector<ImageOf>& ghosts, const std::vector<int>& owners, const Communicator& ranks)
     : rank_(ranks.rank()) {
   const auto size = static_cast<std::size_t>(ranks.ranks());
@@ -40,8 +87,9 @@ Halo::Halo(const std::vector<ImageOf>& ghosts, const std::vector<int>& owners, c
   std::vector<std::vector<ParticleId>> asked_by = ranks.swap(asked_for);
   for (std::size_t k = 0; k < size; ++k)
     if (!from[k].empty() || !asked_by[k].empty())
-      neighbours_.push_back(
-          {static_cast<int>(k), std::move(asked_by[k]), std::move(from[k]), {}, {}, {}, {}});
+      neighbours_.push_back({static_cast<int>(k), std::move(asked_by[k]), std::move(from[k]), {}, {}});
+  poses_ = std::make_shared<Mail>(0, neighbours_);
+  loads_ = std::make_shared<Mail>(1, neighbours_);
 }
 
 std::vector<ParticleId> Halo::sent() const {
@@ -60,58 +108,59 @@ void Halo::take_rows(const Order& order) {
   }
 }
 
-/// `in` of all neighbours has the length of what comes.
-void Halo::send_and_receive() {
-  std::vector<MPI_Request> requests;
-  for (Neighbour& n : neighbours_) {
-    if (n.rank == rank_)
-      std::swap(n.in, n.out);
-    else if (!n.in.empty())
-      MPI_Irecv(n.in.data(), static_cast<int>(n.in.size()), MPI_DOUBLE, n.rank, 0, MPI_COMM_WORLD,
-                &requests.emplace_back());
-  }
-  for (Neighbour& n : neighbours_)
-    if (n.rank != rank_ && !n.out.empty())
-      MPI_Isend(n.out.data(), static_cast<int>(n.out.size()), MPI_DOUBLE, n.rank, 0, MPI_COMM_WORLD,
-                &requests.emplace_back());
-  MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
+void Halo::finish() {
+  for (const auto& mail : {poses_, loads_})
+    if (mail) mail->wait_until_sent();
 }
 
-void Halo::update_ghosts(const HaloColumns& columns) {
+void Halo::begin_update(const HaloColumns& columns) {
   const bool motion = !columns.motion.empty();
   const std::size_t numbers = pose_numbers + (motion ? motion_numbers : 0);
-  for (Neighbour& n : neighbours_) {
-    n.out.resize(n.sent_rows.size() * numbers);
-    n.in.resize(n.ghost_rows.size() * numbers);
-    double* to = n.out.data();
+  poses_->wait_until_sent();
+  for (std::size_t k = 0; k < neighbours_.size(); ++k) {
+    const Neighbour& n = neighbours_[k];
+    Mail::Box& box = poses_->boxes[k];
+    box.out.resize(n.sent_rows.size() * numbers);
+    box.in.resize(n.ghost_rows.size() * numbers);
+    double* to = box.out.data();
     for (const std::size_t row : n.sent_rows) {
       put(columns.pose[row].r, to), put(columns.pose[row].q, to);
       if (motion) put(columns.motion[row].v, to), put(columns.motion[row].omega, to);
     }
   }
-  send_and_receive();
-  for (const Neighbour& n : neighbours_) {
-    const double* from = n.in.data();
-    for (std::size_t k = 0; k < n.ghost_rows.size(); ++k) {
-      const std::size_t row = n.ghost_rows[k];
+  poses_->send(rank_);
+}
+
+void Halo::end_update(const HaloColumns& columns) {
+  const bool motion = !columns.motion.empty();
+  poses_->wait_until_received();
+  for (std::size_t k = 0; k < neighbours_.size(); ++k) {
+    const Neighbour& n = neighbours_[k];
+    const double* from = poses_->boxes[k].in.data();
+    for (std::size_t g = 0; g < n.ghost_rows.size(); ++g) {
+      const std::size_t row = n.ghost_rows[g];
       columns.pose[row].r = take_vector(from), columns.pose[row].q = take_quaternion(from);
       if (motion) columns.motion[row].v = take_vector(from), columns.motion[row].omega = take_vector(from);
-      columns.carry(row, n.ghosts[k].image);
+      columns.carry(row, n.ghosts[g].image);
     }
   }
 }
 
 void Halo::reverse_sum(std::span<LoadRow> load) {
-  for (Neighbour& n : neighbours_) {
-    n.out.resize(n.ghost_rows.size() * load_numbers);
-    n.in.resize(n.sent_rows.size() * load_numbers);
-    double* to = n.out.data();
+  loads_->wait_until_sent();
+  for (std::size_t k = 0; k < neighbours_.size(); ++k) {
+    const Neighbour& n = neighbours_[k];
+    Mail::Box& box = loads_->boxes[k];
+    box.out.resize(n.ghost_rows.size() * load_numbers);
+    box.in.resize(n.sent_rows.size() * load_numbers);
+    double* to = box.out.data();
     for (const std::size_t row : n.ghost_rows) put(load[row].F, to), put(load[row].M, to), load[row] = {};
   }
-  send_and_receive();
-  for (const Neighbour& n : neighbours_) {
-    const double* from = n.in.data();
-    for (const std::size_t row : n.sent_rows) {
+  loads_->send(rank_);
+  loads_->wait_until_received();
+  for (std::size_t k = 0; k < neighbours_.size(); ++k) {
+    const double* from = loads_->boxes[k].in.data();
+    for (const std::size_t row : neighbours_[k].sent_rows) {
       load[row].F += take_vector(from);
       load[row].M += take_vector(from);
     }

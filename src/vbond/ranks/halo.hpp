@@ -1,6 +1,6 @@
 #pragma once
 #include <cstddef>
-#include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -14,7 +14,8 @@ namespace vbond {
 class Halo {
  public:
   Halo() = default;
-  /// ghosts: particles of other ranks, and images of any; owners: the ranks that have their particles.
+  /// ghosts: particles of other ranks, and images of any, in the order of their messages; owners: the ranks
+  /// that have their particles.
   Halo(const std::vector<ImageOf>& ghosts, const std::vector<int>& owners, const Communicator& ranks);
 
   /// Which of its own are ghosts somewhere.
@@ -22,11 +23,14 @@ class Halo {
   /// Where particles and ghosts stand.
   void take_rows(const Order& order);
 
-  /// Ghosts get what their particles have.
-  void update_ghosts(const HaloColumns& columns);
+  /// Ghosts get what their particles have, by the end of the second call.
+  void begin_update(const HaloColumns& columns);
+  void end_update(const HaloColumns& columns);
   /// Particles get the loads on their ghosts in addition, in the order of ranks: the bits do not depend on
   /// when messages come.
   void reverse_sum(std::span<LoadRow> load);
+  /// Before another one takes its place: all messages have arrived.
+  void finish();
 
  private:
   /// A rank that has ghosts of this one's particles, or particles that are ghosts here; or this one itself,
@@ -36,12 +40,12 @@ class Halo {
     std::vector<ParticleId> sent;  // of this rank, ghosts there
     std::vector<ImageOf> ghosts;   // of that rank, ghosts here
     std::vector<std::size_t> sent_rows, ghost_rows;
-    std::vector<double> out, in;  // the messages under way
   };
-  void send_and_receive();
 
   int rank_ = 0;
   std::vector<Neighbour> neighbours_;  // in the order of ranks
+  class Mail;
+  std::shared_ptr<Mail> poses_, loads_;  // null: nobody has asked for any
 };
 
 }  // namespace vbond

@@ -40,14 +40,6 @@ constexpr double farthest_found = 1e6;
 constexpr const char* too_large =
     "the body is too large: MPI counts at most 2 GiB in one message; use vbond, which sends none";
 
-/// Of the bonds that are not broken.
-double longest_bond(const State& state) {
-  double longest2 = 0.0;
-  for (const Bond& b : state.bonds)
-    if (!b.broken) longest2 = std::max(longest2, norm2(between(state, b)));
-  return std::sqrt(longest2);
-}
-
 /// Where domains are cut: a periodic body in its cell, whose edges are straightened out; room: for these
 /// places.
 const PerParticle<Vec3d>& straightened(const Model& model, const State& state, PerParticle<Vec3d>& room) {
@@ -271,17 +263,23 @@ std::vector<BoundingBox> Ranks::boxes_of_others(const State& state) const {
   return boxes;
 }
 
-Share Ranks::share_with(std::vector<ImageOf> ghosts, const std::vector<int>& owners, const Model& model,
+Share Ranks::share_with(std::vector<ImageOf> ghosts, std::vector<int> owners, const Model& model,
                         const State& state) {
-  halo_ = Halo(ghosts, owners, *this);
   std::vector<ParticleId> known = own_;
   for (const ImageOf& g : ghosts) known.push_back(g.particle);
-  Share share{
-      .order = part_of(
-          knows_all_ ? spatial_order(model.r_0) : spatial_order(model.r_0, known),
-          {.own = own_, .sent = halo_.sent(), .ghosts = std::move(ghosts), .others_in_one_row = !knows_all_}),
-      .farthest = std::numeric_limits<double>::infinity(),
-      .lost_beyond = lost_beyond_};
+  const Order order = knows_all_ ? spatial_order(model.r_0) : spatial_order(model.r_0, known);
+  put_in_rows(order, ghosts, owners);
+  halo_.finish();
+  halo_ = Halo(ghosts, owners, *this);
+  std::vector<ParticleId> early = halo_.sent();
+  add_bonded_to_ghosts(own_, state, early);
+  Share share{.order = part_of(order, {.own = own_,
+                                       .early = std::move(early),
+                                       .ghosts = std::move(ghosts),
+                                       .ghost_bonds_last = true,
+                                       .others_in_one_row = !knows_all_}),
+              .farthest = std::numeric_limits<double>::infinity(),
+              .lost_beyond = lost_beyond_};
   halo_.take_rows(share.order);
   if (are_spread_anew(model)) {
     share.farthest = 0.5 * margin * reach_;
@@ -292,9 +290,14 @@ Share Ranks::share_with(std::vector<ImageOf> ghosts, const std::vector<int>& own
   return share;
 }
 
-void Ranks::halo(const HaloColumns& columns) {
+void Ranks::begin_halo(const HaloColumns& columns) {
   const Waiting waiting(*this);
-  halo_.update_ghosts(columns);
+  halo_.begin_update(columns);
+}
+
+void Ranks::end_halo(const HaloColumns& columns) {
+  const Waiting waiting(*this);
+  halo_.end_update(columns);
 }
 
 void Ranks::reverse_sum(std::span<LoadRow> load) {

@@ -47,7 +47,8 @@ class Ranks : public Partition {
   Share spread_anew(const Model& model, const State& state) override;
   Share migrate(Model& model, State& state, PartHandedOver part) override;
 
-  void halo(const HaloColumns& columns) override;
+  void begin_halo(const HaloColumns& columns) override;
+  void end_halo(const HaloColumns& columns) override;
   void reverse_sum(std::span<LoadRow> load) override;
   void sum(std::span<double> numbers) const override;
   void max(std::span<double> numbers) const override;
@@ -67,7 +68,7 @@ class Ranks : public Partition {
                                 std::size_t particles) const;
   Share share_of(const Model& model, const State& state);
   std::vector<BoundingBox> boxes_of_others(const State& state) const;
-  Share share_with(std::vector<ImageOf> ghosts, const std::vector<int>& owners, const Model& model,
+  Share share_with(std::vector<ImageOf> ghosts, std::vector<int> owners, const Model& model,
                    const State& state);
   void make_domains(const Model& model, const State& state, const PerParticle<double>& work, double longest);
   double ghost_reach() const;
