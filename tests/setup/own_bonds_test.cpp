@@ -54,7 +54,10 @@ Order order_of(const Built& b, std::size_t process, std::size_t processes) {
   for (const Bond& bond : b.state.bonds) ghost(bond.j);
   std::sort(holding.ghosts.begin(), holding.ghosts.end());
   holding.ghosts.erase(std::unique(holding.ghosts.begin(), holding.ghosts.end()), holding.ghosts.end());
-  return part_of(spatial_order(b.model.r_0), holding);
+  PerParticle<Vec3d> r(b.model.particles());  // some of which the process does not know: they stand anywhere
+  for (const ParticleId p : r.ids())
+    if (b.model.r_0.holds_all() || b.model.r_0.holds(p)) r[p] = b.model.r_0[p];
+  return part_of(spatial_order(r), holding);
 }
 
 std::vector<Made> made_by(const Case& c, std::size_t processes) {
