@@ -41,7 +41,11 @@ class Halo::Mail {
   std::vector<Box> boxes;  ///< of each neighbour
 
   void wait_until_sent();
-  /// `in` of all has the length of what comes.
+  /// Where to put so many numbers for a neighbour, which sends that many.
+  double* room(std::size_t neighbour, std::size_t sent, std::size_t received) {
+    boxes[neighbour].out.resize(sent), boxes[neighbour].in.resize(received);
+    return boxes[neighbour].out.data();
+  }
   void send(int this_rank);
   void wait_until_received();
 
@@ -119,10 +123,7 @@ void Halo::begin_update(const HaloColumns& columns) {
   poses_->wait_until_sent();
   for (std::size_t k = 0; k < neighbours_.size(); ++k) {
     const Neighbour& n = neighbours_[k];
-    Mail::Box& box = poses_->boxes[k];
-    box.out.resize(n.sent_rows.size() * numbers);
-    box.in.resize(n.ghost_rows.size() * numbers);
-    double* to = box.out.data();
+    double* to = poses_->room(k, n.sent_rows.size() * numbers, n.ghost_rows.size() * numbers);
     for (const std::size_t row : n.sent_rows) {
       put(columns.pose[row].r, to), put(columns.pose[row].q, to);
       if (motion) put(columns.motion[row].v, to), put(columns.motion[row].omega, to);
@@ -150,10 +151,7 @@ void Halo::reverse_sum(std::span<LoadRow> load) {
   loads_->wait_until_sent();
   for (std::size_t k = 0; k < neighbours_.size(); ++k) {
     const Neighbour& n = neighbours_[k];
-    Mail::Box& box = loads_->boxes[k];
-    box.out.resize(n.ghost_rows.size() * load_numbers);
-    box.in.resize(n.sent_rows.size() * load_numbers);
-    double* to = box.out.data();
+    double* to = loads_->room(k, n.ghost_rows.size() * load_numbers, n.sent_rows.size() * load_numbers);
     for (const std::size_t row : n.ghost_rows) put(load[row].F, to), put(load[row].M, to), load[row] = {};
   }
   loads_->send(rank_);
