@@ -48,6 +48,20 @@ struct Case {
   double local_damping = 0;
 };
 
+void let_touch(ContactModel& contact) {
+  contact.law = ContactLaw::hertz, contact.pairs = ContactPairs::unbonded;
+  contact.E = 5.0, contact.nu = 0.2;
+}
+
+State run_until(const Model& model, const Stage& stage, State state, std::int64_t step, int threads) {
+  while (state.clock.step < step) {  // images are found anew on the way
+    Simulation motion(model, stage, std::move(state), threads);
+    motion.run({}, step - motion.clock().step);
+    state = std::move(motion).handover().state;
+  }
+  return state;
+}
+
 TEST(PeriodicBody, OfManyThreadsMovesBitForBit) {
   for (const Case& c : {Case{Bonds::elastic},
                         {Bonds::damped},
@@ -56,28 +70,33 @@ TEST(PeriodicBody, OfManyThreadsMovesBitForBit) {
                         {Bonds::breaking, true},
                         {Bonds::breaking, true, true}}) {
     Specimen s = lattice(20, c.bonds);
-    if (c.touches) {
-      s.model.contact.law = ContactLaw::hertz, s.model.contact.pairs = ContactPairs::unbonded;
-      s.model.contact.E = 5.0, s.model.contact.nu = 0.2;
-    }
+    if (c.touches) let_touch(s.model.contact);
     Stage stage = testing::plain_stage(0.05, 1e3);
     stage.local_damping = c.local_damping;
     if (c.moves) stage.cell.component[5] = {CellComponent::By::strain, 0.01, {}};
-    const auto run = [&](int threads) {
-      State state = s.state;
-      while (state.clock.step < 40) {  // images are found anew on the way
-        Simulation motion(s.model, stage, std::move(state), threads);
-        EXPECT_GE(motion.times().threads, std::min(threads, 2));
-        motion.run({}, 40 - motion.clock().step);
-        state = std::move(motion).handover().state;
-      }
-      return state;
-    };
+    EXPECT_GE(Simulation(s.model, stage, s.state, 2).times().threads, 2);
+    const auto run = [&](int threads) { return run_until(s.model, stage, s.state, 40, threads); };
     const State one = run(1);
     EXPECT_EQ(one.breaks > 0, c.bonds == Bonds::breaking) << one.breaks;
     for (const int threads : {2, 3})
       EXPECT_EQ(run(threads), one) << "bonds " << int(c.bonds) << (c.moves ? ", moving" : "")
                                    << (c.touches ? ", touching" : "") << ", threads " << threads;
+  }
+}
+
+// All bonds are of one kind: only places decide in which order loads are summed, not what is broken or which
+// images there are.
+TEST(PeriodicBody, OfEqualBondsGoesOnFromAnyStepBitForBit) {
+  Specimen s = lattice(12, Bonds::breaking);
+  let_touch(s.model.contact);
+  Stage stage = testing::plain_stage(0.05, 1e3);
+  stage.cell.component[5] = {CellComponent::By::strain, 0.05, {}};
+  const State whole = run_until(s.model, stage, s.state, 60, 1);
+  EXPECT_GT(whole.breaks, 10);
+  State at = s.state;
+  for (std::int64_t step = 4; step < 60; step += 4) {
+    at = run_until(s.model, stage, std::move(at), step, 1);
+    EXPECT_EQ(run_until(s.model, stage, at, 60, 1), whole) << "from step " << step;
   }
 }
 
@@ -88,10 +107,7 @@ TEST(PeriodicBody, InUniformMotionStaysWithoutStrain) {
     for (const Bonds bonds : {Bonds::elastic, Bonds::damped})
       for (const bool touches : {false, true}) {
         Specimen s = lattice(n, bonds);
-        if (touches) {
-          s.model.contact.law = ContactLaw::hertz, s.model.contact.pairs = ContactPairs::unbonded;
-          s.model.contact.E = 5.0, s.model.contact.nu = 0.2;
-        }
+        if (touches) let_touch(s.model.contact);
         for (Vec3d& v : s.state.v) v = {0.3, -0.2, 0.1};
         for (Vec3d& w : s.state.omega) w = {};
         Simulation motion(s.model, testing::plain_stage(0.05, 1e3), s.state);

@@ -385,23 +385,26 @@ TEST(StepKernel, GivesTheSameBitsWithEveryInstructionSet) {
       EXPECT_GE(way2, largest2) << kernel.name;
       EXPECT_LE(way2, 3.0 * largest2) << kernel.name;
       const double lost = kernel.slow_down({8, 32}, rows.decay.data(), rows.motion.data());
-      std::vector<MotionRow> unkept = rows.motion, before(rows.motion.size());
-      EXPECT_EQ(kernel.kick({8, 32}, 0.01, rows.per.data(), rows.load.data(), unkept.data(), nullptr), 0.0);
-      const std::vector<MotionRow> slow = rows.motion;
-      EXPECT_EQ(
-          kernel.kick({8, 32}, 0.01, rows.per.data(), rows.load.data(), rows.motion.data(), before.data()),
-          0.0);
-      double power = 0.0, size = 0.0;  // of 144 products, which are summed in another order
+      double expected = 0.0, size = 0.0;  // of 144 products, which are summed in another order
       for (std::size_t k = 8; k < 32; ++k) {
-        EXPECT_TRUE(before[k].v == slow[k].v && before[k].omega == slow[k].omega) << kernel.name;
-        EXPECT_TRUE(unkept[k].v == rows.motion[k].v && unkept[k].omega == rows.motion[k].omega);
-        const Vec3d v = before[k].v + rows.motion[k].v, omega = before[k].omega + rows.motion[k].omega;
-        power += dot(rows.load[k].F, v) + dot(rows.load[k].M, omega);
+        const Vec3d &v = rows.motion[k].v, &omega = rows.motion[k].omega;
+        expected += dot(rows.load[k].F, v) + dot(rows.load[k].M, omega);
         size += norm(rows.load[k].F) * norm(v) + norm(rows.load[k].M) * norm(omega);
       }
-      const double twice = kernel.twice_power({8, 32}, rows.load.data(), before.data(), rows.motion.data());
-      EXPECT_NEAR(twice, power, 144 * 1.1e-16 * 2.0 * size) << kernel.name;
-      return std::pair{rows, lost + twice};
+      const double power = kernel.power({8, 32}, rows.load.data(), rows.motion.data());
+      EXPECT_NEAR(power, expected, 144 * 1.1e-16 * 2.0 * size) << kernel.name;
+      std::vector<MotionRow> without = rows.motion;
+      const auto kick = [&](MotionRow* motion, const LoadRow* damping) {
+        const Kicked kicked = kernel.kick({8, 32}, 0.01, rows.per.data(), rows.load.data(), motion, damping);
+        EXPECT_EQ(kicked.poison, 0.0) << kernel.name;
+        return kicked.power;
+      };
+      const double before = kick(rows.motion.data(), rows.load.data());
+      EXPECT_NEAR(before, expected, 144 * 1.1e-16 * 2.0 * size) << kernel.name;
+      EXPECT_EQ(kick(without.data(), nullptr), 0.0) << kernel.name;
+      for (std::size_t k = 8; k < 32; ++k)
+        EXPECT_TRUE(without[k].v == rows.motion[k].v && without[k].omega == rows.motion[k].omega);
+      return std::pair{rows, lost + power + before};
     };
     const auto [first, first_lost] = moved(*kernels.front());
     for (const StepKernel* kernel : kernels) {

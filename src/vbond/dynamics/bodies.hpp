@@ -51,7 +51,6 @@ struct Bodies {
   LargeArray<PoseRow> pose;
   LargeArray<MotionRow> motion;
   LargeArray<LoadRow> load;
-  LargeArray<MotionRow> rates;        ///< motion half a step ago, for bonds that read it; else empty
   LargeArray<LoadRow> damping;        ///< the part of the loads that damps, if any bond does; else empty
   LargeArray<LoadRow> local_damping;  ///< the part of these that is local, if bonds damp as well; else empty
   LargeArray<InverseInertia> inverse;

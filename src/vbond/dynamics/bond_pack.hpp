@@ -88,7 +88,7 @@ struct DampedPower {
 struct BondSweep {
   const PoseRow* pose;
   LoadRow* load;
-  const MotionRow* rates = nullptr;  ///< of the last half step; for laws that read rates only
+  const MotionRow* rates = nullptr;  ///< of the half step; for laws that read rates, and of what breaks
   LoadRow* damping = nullptr;        ///< gets the loads of damping, for laws that damp; `load` does not
   double dt = 0;                     ///< for laws that remember: their history advances by it; 0: it stays
   double dissipated = 0;             ///< by what bonds remember, added to  [energy]

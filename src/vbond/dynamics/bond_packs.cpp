@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <tuple>
@@ -49,6 +50,17 @@ void fill_lane(FullPack& p, std::size_t l, const Bond& b, double /*scale*/) {
   put(frame_j(b), l, p.frame_j);
 }
 
+/// The farther apart its particles are, to a factor of two, the sooner. By their own rows: those of images
+/// depend on which images there are, and with them the order would change when a run is resumed.
+int pass_of(const Bond& b, const Order& order) {
+  const std::size_t i = order.row[b.i].value, j = order.row[b.j].value;
+  return -static_cast<int>(std::bit_width(i < j ? j - i : i - j));
+}
+
+BondRates<double> rates_between(const MotionRow& i, const MotionRow& j) {
+  return {j.v - i.v, i.omega, j.omega};
+}
+
 /// Calls f(first, last) for the longest stretches of items that are `alike`.
 template <class Items, class Alike, class F>
 void for_stretches(const Items& items, Alike alike, F f) {
@@ -65,6 +77,7 @@ void for_stretches(const Items& items, Alike alike, F f) {
 struct BondPacks::Sorted {
   std::size_t row;  // the one with whose block it is worked on
   Kind kind;
+  int pass;  // through its block
   BondId bond;
   bool expands;
   std::size_t block() const { return row / block_rows; }
@@ -112,12 +125,14 @@ void BondPacks::arrange(const State& state, const Order& order, const Team& team
     if (bonds[b].broken || !order.has(bonds[b].i)) continue;
     note(bonds[b]);
     ++bonds_;
-    sorted.push_back({row_of_work(bonds[b], order), kind, b, expands});
+    // Full packs are so long that they would push the rows of a block out of the cache between two passes.
+    const int pass = kind.compact ? pass_of(bonds[b], order) : 0;
+    sorted.push_back({row_of_work(bonds[b], order), kind, pass, b, expands});
   }
   tell_each_other(all);
   std::sort(sorted.begin(), sorted.end(), [](const Sorted& a, const Sorted& b) {
-    return std::tuple(a.block(), a.kind.compact, a.kind.type, a.row, a.bond) <
-           std::tuple(b.block(), b.kind.compact, b.kind.type, b.row, b.bond);
+    return std::tuple(a.block(), a.kind.compact, a.kind.type, a.pass, a.row, a.bond) <
+           std::tuple(b.block(), b.kind.compact, b.kind.type, b.pass, b.row, b.bond);
   });
   const auto of_one_run = [](const Sorted& a, const Sorted& b) {
     return a.block() == b.block() && a.kind == b.kind;
@@ -250,7 +265,7 @@ void BondPacks::add_loads(const std::vector<Run>& runs, BondSweep& sweep) {
 }
 
 void BondPacks::add_loads(const Block& block, BondSweep& sweep, const RowsAhead& ahead,
-                          std::vector<BondId>* broken) {
+                          std::vector<BreakingBond>* broken) {
   const std::size_t first = first_run_[block.index];
   for (std::size_t r = first; r < first_run_[block.index + 1]; ++r)
     visit(runs_[r], [&](const auto& kernel, auto&& run, const auto& store) {
@@ -263,7 +278,10 @@ void BondPacks::add_loads(const Block& block, BondSweep& sweep, const RowsAhead&
       for (std::size_t k = 0; k < run.count; ++k)
         for (std::size_t l = 0; breaking[k] >> l != 0; ++l)
           if ((breaking[k] >> l & 1) != 0)
-            broken->push_back(store.bond[(runs_[r].first + k) * pack_bonds + l]);
+            broken->push_back(
+                {store.bond[(runs_[r].first + k) * pack_bonds + l],
+                 reads_rates_ ? rates_between(sweep.rates[run.packs[k].i[l]], sweep.rates[run.packs[k].j[l]])
+                              : BondRates<double>{}});
     });
 }
 

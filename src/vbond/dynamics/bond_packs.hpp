@@ -21,11 +21,20 @@ inline std::size_t lower_row(const Bond& b, const Order& order) {
   return std::min(order.row_i(b), order.row_j(b)).value;
 }
 
+/// A bond that breaks.
+struct BreakingBond {
+  BondId bond;
+  BondRates<double> rates;  ///< that its loads were worked out with, where any bond reads rates; else zero
+  friend bool operator<(const BreakingBond& a, const BreakingBond& b) { return a.bond < b.bond; }
+};
+
 /// The constants of all bonds in the order in which the step loop works through them: by the block of the
-/// lower of their two rows (with ghosts by that of the ghost, if the order says so), in a block by kind, then
-/// by that row and in order of creation. This order fixes the order in which loads are summed for each
-/// particle, whatever the number of threads. Once the bonds of a block and all before it are done, the loads
-/// of that block's particles are complete, but for bonds with ghosts.
+/// lower of their two rows (with ghosts by that of the ghost, if the order says so), in a block by kind,
+/// those of compact packs by how far apart their rows are to a factor of two, the farthest first, then by
+/// that row and in order of creation. So bonds that follow each other seldom share a particle, and rows are
+/// read in streams. This order fixes the order in which loads are summed for each particle, whatever the
+/// number of threads. Once the bonds of a block and all before it are done, the loads of that block's
+/// particles are complete, but for bonds with ghosts.
 class BondPacks {
  public:
   /// To be called whenever bonds were made, by all parts together. Broken bonds are left out; of a body in
@@ -38,7 +47,8 @@ class BondPacks {
   void add_loads_from_above(const Part& part, BondSweep& sweep) { add_loads(from_above_[part.index], sweep); }
   /// Adds the loads of the bonds of a block to the particles of its part. Bonds that break are added to
   /// `broken`, in no order.
-  void add_loads(const Block& block, BondSweep& sweep, const RowsAhead& ahead, std::vector<BondId>* broken);
+  void add_loads(const Block& block, BondSweep& sweep, const RowsAhead& ahead,
+                 std::vector<BreakingBond>* broken);
 
   /// The bond, which expands, has other lengths now.
   void take_lengths(BondId bond, const Bond& as_it_is);

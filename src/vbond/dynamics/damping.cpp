@@ -58,7 +58,7 @@ void Damping::oppose_motion(RowRange rows, const Tensor* flow) const {
   };
   for (std::size_t k = rows.first; k < rows.last; ++k) {
     LoadRow &load = bodies_.load[k], &damping = bodies_.damping[k];
-    MotionRow rate = bodies_.rates[k];
+    MotionRow rate = bodies_.motion[k];
     if (flow != nullptr) rate.v -= times(*flow, bodies_.pose[k].r);
     const HeldAxes* axes = axes_.empty() ? nullptr : axes_[k].get();
     const Vec3d F = axes == nullptr ? oppose(load.F, rate.v, held_[k], 0)

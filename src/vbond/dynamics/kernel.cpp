@@ -13,32 +13,37 @@ namespace {
 
 // ---- particles --------------------------------------------------------------------------------------
 
-template <bool keeps>
-VBOND_HD double kick_rows(RowRange rows, double h, const InverseInertia* inverse, const LoadRow* load,
-                          MotionRow* motion, MotionRow* before) {
+template <bool damped>
+VBOND_HD Kicked kick_rows(RowRange rows, double h, const InverseInertia* inverse, const LoadRow* load,
+                          MotionRow* motion, const LoadRow* damping) {
   const Real step(h);
-  Real sum[2][8 / lanes];  // of all loads: not finite if one of them is not
-  for (auto& row : sum)
-    for (Real& x : row) x = Real(0.0);
+  Real sum[2][8 / lanes], power[2][8 / lanes];  // the sum of all loads: not finite if one of them is not
+  for (std::size_t n = 0; n < 2; ++n)
+    for (std::size_t part = 0; part < 8 / lanes; ++part) sum[n][part] = power[n][part] = Real(0.0);
   for (std::size_t k = rows.first; k < rows.last; k += 2)  // two at once: a shorter chain of waiting
     for (std::size_t n = 0; n < 2; ++n)
       for (std::size_t part = 0; part < 8; part += lanes) {
         const Real F = Real::load(numbers(load + k + n) + part);
         double* v = numbers(motion + k + n) + part;
         const Real per_inertia = halves_of(inverse[k + n].per_m, inverse[k + n].per_Theta, part);
-        const Real v_before = Real::load(v);
-        if constexpr (keeps) v_before.store(numbers(before + k + n) + part);
-        (v_before + step * per_inertia * F).store(v);
+        const Real before = Real::load(v);
+        (before + step * per_inertia * F).store(v);
         sum[n][part / lanes] = sum[n][part / lanes] + F;
+        if constexpr (damped)
+          power[n][part / lanes] =
+              power[n][part / lanes] + Real::load(numbers(damping + k + n) + part) * before;
       }
-  for (std::size_t part = 0; part < 8 / lanes; ++part) sum[0][part] = sum[0][part] + sum[1][part];
-  return 0.0 * sum_of_row(sum[0]);
+  for (std::size_t part = 0; part < 8 / lanes; ++part) {
+    sum[0][part] = sum[0][part] + sum[1][part];
+    power[0][part] = power[0][part] + power[1][part];
+  }
+  return {0.0 * sum_of_row(sum[0]), damped ? sum_of_row(power[0]) : 0.0};
 }
 
-double kick(RowRange rows, double h, const InverseInertia* inverse, const LoadRow* load, MotionRow* motion,
-            MotionRow* before) {
-  return before == nullptr ? kick_rows<false>(rows, h, inverse, load, motion, before)
-                           : kick_rows<true>(rows, h, inverse, load, motion, before);
+Kicked kick(RowRange rows, double h, const InverseInertia* inverse, const LoadRow* load, MotionRow* motion,
+            const LoadRow* damping) {
+  return damping == nullptr ? kick_rows<false>(rows, h, inverse, load, motion, damping)
+                            : kick_rows<true>(rows, h, inverse, load, motion, damping);
 }
 
 /// The largest square of each component of v and omega in these rows. A NaN counts as a small number: it
@@ -112,7 +117,7 @@ double slow_down(RowRange rows, const Decay* decay, MotionRow* motion) {
   return sum_of_row(lost);
 }
 
-double twice_power(RowRange rows, const LoadRow* load, const MotionRow* before, const MotionRow* after) {
+double power(RowRange rows, const LoadRow* load, const MotionRow* motion) {
   constexpr std::size_t sums = 4;  // side by side, so that no addition waits for the one before
   Real sum[sums][8 / lanes];
   for (auto& row : sum)
@@ -120,9 +125,8 @@ double twice_power(RowRange rows, const LoadRow* load, const MotionRow* before, 
   for (std::size_t k = rows.first; k < rows.last; k += sums)
     for (std::size_t n = 0; n < sums; ++n)
       for (std::size_t part = 0; part < 8; part += lanes) {
-        const Real twice_v =
-            Real::load(numbers(before + k + n) + part) + Real::load(numbers(after + k + n) + part);
-        sum[n][part / lanes] = sum[n][part / lanes] + Real::load(numbers(load + k + n) + part) * twice_v;
+        const Real v = Real::load(numbers(motion + k + n) + part);
+        sum[n][part / lanes] = sum[n][part / lanes] + Real::load(numbers(load + k + n) + part) * v;
       }
   for (std::size_t n = 1; n < sums; ++n)
     for (std::size_t part = 0; part < 8 / lanes; ++part) sum[0][part] = sum[0][part] + sum[n][part];
@@ -162,7 +166,7 @@ const StepKernel kernel{VBOND_KERNEL_NAME,
                         add_contact_loads,
                         touch_pairs,
                         add_touches,
-                        twice_power,
+                        power,
                         add_rows};
 
 }  // namespace vbond::VBOND_KERNEL

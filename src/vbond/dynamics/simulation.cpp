@@ -135,19 +135,12 @@ void Simulation::begin_step(const Block& b) {
   if (more && damping_.is_drag())
     lose(b.index, Loss::drag, slow_down(b, cell_.L_start()));  // v, omega over dt / 2
   books.work_supports += supports_.hold(b, Instant::start);
-  const bool damps = more && !bodies_.damping.empty();
-  kick(b, dt / 2, damps ? bodies_.rates.data() : nullptr);  // v, omega : t -> t + dt/2
-  books.work_supports += supports_.hold_after_kick(b, Instant::start, Instant::middle, dt / 2);
-  if (more && inelastic()) {
-    book_damping(b, dt / 2, cell_.L_start());
-    keep_rates(b.rows);
-  }
+  kick_and_book(b, Instant::start, Instant::middle, cell_.L_start());  // v, omega : t -> t + dt/2
   const bool turn_freely = more && (bodies_.tops.any() || supports_.grips().any_turn());
   const double before_drift = turn_freely ? dt / 2 : 0.0;  // their omega changes in the drift
   if (before_drift > 0.0) books.work_loads += applied_.work_of_half(b, before_drift, Instant::start);
   books.way2 = drift(b, dt);  // r, q     : t -> t + dt
   if (more && supports_.grips().any()) supports_.grips().carry(b);
-  if (more && supports_.grips().any_turn() && inelastic()) keep_rates(b.rows);
   books.work_loads +=
       before_drift > 0.0 ? applied_.work_of_half(b, dt - before_drift, Instant::end) : applied_.work(b, dt);
   clear_loads(b);
@@ -155,11 +148,8 @@ void Simulation::begin_step(const Block& b) {
 
 /// The half of a step after the loads.
 void Simulation::end_step(const Block& b) {
-  const double dt = stage_.dt;
   BlockBooks& books = books_[b.index];
-  kick(b, dt / 2);  // v, omega : t + dt/2 -> t + dt
-  books.work_supports += supports_.hold_after_kick(b, Instant::middle, Instant::end, dt / 2);
-  if (!only_elastic_ && inelastic()) book_damping(b, dt / 2, cell_.L_end());
+  kick_and_book(b, Instant::middle, Instant::end, cell_.L_end());  // v, omega : t + dt/2 -> t + dt
   if (!only_elastic_ && damping_.is_drag()) lose(b.index, Loss::drag, slow_down(b, cell_.L_end()));
   books.work_supports += supports_.hold(b, Instant::end);
 }
@@ -182,18 +172,35 @@ RowsAhead Simulation::rows_of(const Block& b) const {
   return {&bodies_.pose[k], &bodies_.motion[k], &bodies_.load[k], b.rows.last - k};
 }
 
-void Simulation::kick(const Block& b, double h, MotionRow* before) {
-  books_[b.index].poison += kernel_.kick(particles_of(b), h, bodies_.inverse.data(), bodies_.load.data(),
-                                         bodies_.motion.data(), before);
+/// A kick over half a step, with the work of supports and of damping in it. flow: that of the cell then.
+void Simulation::kick_and_book(const Block& b, Instant from, Instant to, const Tensor& flow) {
+  const double h = stage_.dt / 2;
+  const auto power_of = [&](const LargeArray<LoadRow>& loads) {
+    return loads.empty() ? 0.0 : kernel_.power(b.rows, loads.data(), bodies_.motion.data());
+  };
+  const bool damps = !only_elastic_ && !bodies_.damping.empty();
+  double twice_local = damps ? power_of(bodies_.local_damping) : 0.0;
+  double twice_all = kick(b, h);
+  books_[b.index].work_supports += supports_.hold_after_kick(b, from, to, h);
+  if (!damps) return;
+  twice_all += power_of(bodies_.damping), twice_local += power_of(bodies_.local_damping);
+  book_damping(b, h, twice_all, bonds_.damp() ? twice_local : twice_all, flow);
+}
+
+/// Returns the power of damping before it.
+double Simulation::kick(const Block& b, double h) {
+  const LoadRow* damping = bodies_.damping.empty() ? nullptr : bodies_.damping.data();
+  const Kicked kicked = kernel_.kick(particles_of(b), h, bodies_.inverse.data(), bodies_.load.data(),
+                                     bodies_.motion.data(), damping);
+  books_[b.index].poison += kicked.poison;
   if (bodies_.tops.any()) bodies_.tops.kick(b.rows, h, bodies_.load, bodies_.turning());
+  return kicked.power;
 }
 
 double Simulation::drift(const Block& b, double h) {
   if (bodies_.tops.any()) bodies_.tops.turn(b.rows, h, bodies_.turning());
   const double way2 = kernel_.drift(particles_of(b), h, bodies_.motion.data(), bodies_.pose.data());
-  if (!bodies_.tops.any()) return way2;
-  bodies_.tops.put_turned(b.rows, bodies_.turning());
-  if (inelastic()) keep_rates(b.rows);  // omega at the new orientations
+  if (bodies_.tops.any()) bodies_.tops.put_turned(b.rows, bodies_.turning());  // omega as they now stand
   return way2;
 }
 
@@ -207,7 +214,7 @@ void Simulation::clear_loads(const Block& b) {  // all at once: std::fill goes r
 }
 
 BondSweep Simulation::bond_sweep(Instant at) {
-  return {bodies_.pose.data(), bodies_.load.data(), bodies_.rates.data(), bodies_.damping.data(),
+  return {bodies_.pose.data(), bodies_.load.data(), bodies_.motion.data(), bodies_.damping.data(),
           at == Instant::end ? stage_.dt : 0.0};
 }
 

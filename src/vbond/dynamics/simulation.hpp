@@ -166,8 +166,8 @@ class Simulation final : public BodyView, private MotionHost {
   void arrange_bonds() override;
   void make_bonds();
   bool break_bonds();
-  void add_joints_that_part(std::vector<BondId>& broken) const;
-  Broken broken_now(BondId bond);
+  void add_joints_that_part(std::vector<BreakingBond>& broken) const;
+  Broken broken_now(BondId bond, const std::vector<BreakingBond>& here);
   void broken_elsewhere(const Breaking& breaks);
   Contacts::Touch part_pair(const BondEnds& bond);
   Contacts::Touch touch_of_unbonded(const BondEnds& bond);
@@ -194,7 +194,8 @@ class Simulation final : public BodyView, private MotionHost {
   void begin_step(const Block& block);
   void end_step(const Block& block);
   RowsAhead rows_of(const Block& block) const;
-  void kick(const Block& block, double h, MotionRow* before = nullptr);
+  void kick_and_book(const Block& block, Instant from, Instant to, const Tensor& flow);
+  double kick(const Block& block, double h);
   double drift(const Block& block, double h);
   void clear_loads(const Block& block);
   BondSweep bond_sweep(Instant at);
@@ -203,9 +204,7 @@ class Simulation final : public BodyView, private MotionHost {
   void add_contact_loads(const Block& block, double dt);
   void complete_block(const Block& block, Instant at, StepTimes::Lap& lap);
   void complete_loads(const Block& block, Instant at, StepTimes::Lap& lap);
-  bool inelastic() const { return !bodies_.rates.empty(); }
-  void keep_rates(const RowRange& rows);
-  void book_damping(const Block& block, double h, const Tensor& flow);
+  void book_damping(const Block& block, double h, double twice_all, double twice_local, const Tensor& flow);
   void share_damping(Losses& lost) const;
   void lose(std::size_t block, Loss cause, double energy) {
     books_[block].dissipated += energy, lost_[block][cause] += energy;
@@ -215,7 +214,9 @@ class Simulation final : public BodyView, private MotionHost {
   double potential_energy() const override { return survey_here().energies.potential(); }
   double flowed() const override { return dissipated_by_flow(part(Show::bonds)); }
   void lengths_have_changed() override { survey_.reset(); }
-  bool anything_dissipates() const { return inelastic() || anything_touches() || damping_.is_drag(); }
+  bool anything_dissipates() const {
+    return bonds_.reads_rates() || damping_.is_local() || damping_.is_drag() || anything_touches();
+  }
   void tell_of_lost();
   void look_at_capsules() const;
   void exchange_capsules();
@@ -290,6 +291,8 @@ class Simulation final : public BodyView, private MotionHost {
   void receive_halo();
   bool is_early(const Block& block) const;
   bool is_late(const Block& block) const;
+  bool waits_for_parts(const Block& block) const;
+  bool ends_with_its_part(const Block& block) const;
   void finish_part(const Part& part, Instant at, StepTimes::Lap& lap);
   void complete_late_block(const Block& block, Instant at, StepTimes::Lap& lap);
   void complete_late_blocks(Instant at);
@@ -340,10 +343,10 @@ class Simulation final : public BodyView, private MotionHost {
   Bonding bonding_;
   MotionTerms terms_;
   std::vector<BlockBooks> books_;
-  std::vector<DampedPower> damped_;            // of the bonds of each block, if any damp
-  std::vector<Losses> lost_;                   // of what books_ count as dissipated, by cause
-  std::vector<TouchSums> touched_;             // of contacts, of each block
-  std::vector<std::vector<BondId>> breaking_;  // of each part, in the step under way
+  std::vector<DampedPower> damped_;                  // of the bonds of each block, if any damp
+  std::vector<Losses> lost_;                         // of what books_ count as dissipated, by cause
+  std::vector<TouchSums> touched_;                   // of contacts, of each block
+  std::vector<std::vector<BreakingBond>> breaking_;  // of each part, in the step under way
   std::vector<BondEvent> events_;
   std::vector<LostParticle> lost_particles_;   // in the step under way, where the stage drops them
   std::vector<TakenLoads> taken_;              // of the bonds that broke in the last step

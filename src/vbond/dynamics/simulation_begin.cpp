@@ -181,7 +181,6 @@ void Simulation::begin_stage() {
 /// Between steps: what reads rates reads the present ones, and nothing is remembered or broken.
 void Simulation::evaluate_loads() {
   survey_.reset();
-  if (inelastic()) bodies_.rates = bodies_.motion;
   team_.for_blocks([&](const Block& b) { carry_images(b); });
   send_halo();
   if (halo_under_way_) receive_halo();

@@ -40,10 +40,6 @@ void Simulation::arrange_bonds() {
   if (bonds_.remembers() || !state_.bond_history.empty())  // those that are broken keep theirs
     state_.bond_history.resize(state_.bonds.size());
   const bool others = damping_.is_local();
-  if (!bonds_.reads_rates() && !others)
-    bodies_.rates.clear();
-  else if (bodies_.rates.empty())
-    bodies_.rates = bodies_.motion;
   damped_.resize(bonds_.damp() ? books_.size() : 0);
   bodies_.damping.resize(bonds_.damp() || others ? bodies_.load.size() : 0);
   bodies_.local_damping.resize(bonds_.damp() && others ? bodies_.load.size() : 0);
@@ -123,9 +119,7 @@ bool Simulation::brings_all_loads() const {
 
 /// Takes up the loads that the state brings along; for elastic bonds they follow from positions.
 void Simulation::take_up_loads() {
-  if (brings_all_loads()) {
-    if (inelastic()) bodies_.rates = bodies_.motion;
-  } else {
+  if (!brings_all_loads()) {
     const CellEdges cell = state_.cell;  // with what damping did to images in the half step before
     evaluate_loads();
     state_.cell = cell;
@@ -164,14 +158,15 @@ struct Simulation::Breaking {
 /// step in which it reached the limit, and so does its share of the energy.
 /// Whether there are any.
 bool Simulation::break_bonds() {
-  std::vector<BondId> here;
-  for (std::vector<BondId>& of_part : breaking_) {
+  std::vector<BreakingBond> here;
+  for (std::vector<BreakingBond>& of_part : breaking_) {
     here.insert(here.end(), of_part.begin(), of_part.end());
     of_part.clear();
   }
   add_joints_that_part(here);
   std::vector<Breaking> broken;
-  for (const BondId k : here) broken.push_back({part_bonds_.name(k), cracks(state_.bonds[k])});
+  for (const BreakingBond& b : here)
+    broken.push_back({part_bonds_.name(b.bond), cracks(state_.bonds[b.bond])});
   broken = exchange_.gather(broken);
   if (broken.empty()) return false;
   std::sort(broken.begin(), broken.end(), [](const auto& a, const auto& b) { return a.bond < b.bond; });
@@ -180,7 +175,7 @@ bool Simulation::break_bonds() {
     const std::optional<BondId> k = part_bonds_.find(b.bond);
     if (!k)
       broken_elsewhere(b);
-    else if (const Broken record = broken_now(*k); bodies_.order.has(state_.bonds[*k].i))
+    else if (const Broken record = broken_now(*k, here); bodies_.order.has(state_.bonds[*k].i))
       records.push_back(record);
   }
   records = exchange_.gather(records);
@@ -198,20 +193,22 @@ bool Simulation::break_bonds() {
 
 /// Sorts what breaks here, with the other cracked cells of joints of which one parts, which are of the same
 /// part of the body: their spheres touch from now on.
-void Simulation::add_joints_that_part(std::vector<BondId>& broken) const {
+void Simulation::add_joints_that_part(std::vector<BreakingBond>& broken) const {
   for (std::size_t k = 0, first = broken.size(); k < first; ++k) {
-    const Bond& parts = state_.bonds[broken[k]];
+    const Bond& parts = state_.bonds[broken[k].bond];
     if (!is_cracked(parts)) continue;
     for (const BondIndex::Entry e : bond_index_.of(parts.i)) {
       if (!e.is_i) continue;  // those of its first particle are here
       const BondId other = part_bonds_.find(e.bond).value();
       if (const Bond& b = state_.bonds[other];
           is_cracked(b) && b.set == parts.set && b.j == parts.j && image_of_j(b) == image_of_j(parts))
-        broken.push_back(other);
+        broken.push_back({other, broken[k].rates});
     }
   }
   std::sort(broken.begin(), broken.end());
-  broken.erase(std::unique(broken.begin(), broken.end()), broken.end());
+  broken.erase(std::unique(broken.begin(), broken.end(),
+                           [](const BreakingBond& a, const BreakingBond& b) { return a.bond == b.bond; }),
+               broken.end());
 }
 
 /// Bonds have broken: their capsules are gone, and what was bonded may touch.
@@ -236,8 +233,8 @@ void Simulation::exchange_capsules() {
   if (leads()) booked_.released += U - capsules_.energy();
 }
 
-/// From here on it is broken for all who ask.
-Simulation::Broken Simulation::broken_now(BondId k) {
+/// From here on it is broken for all who ask. here: the bonds that this part has found to break.
+Simulation::Broken Simulation::broken_now(BondId k, const std::vector<BreakingBond>& here) {
   Bond& b = state_.bonds[k];
   const BondId name = part_bonds_.name(k);
   Broken broken{};
@@ -254,8 +251,7 @@ Simulation::Broken Simulation::broken_now(BondId k) {
     broken.loads = b.law->loads(b, pose, history);
     broken.event = breaking_event(b, name, state_.clock.step, bodies_.pose[i.value].r, pose, history);
     if (broken.damped) {
-      const MotionRow &rate_i = bodies_.rates[i.value], &rate_j = bodies_.rates[j.value];
-      const BondRates<double> rates{rate_j.v - rate_i.v, rate_i.omega, rate_j.omega};
+      const BondRates<double>& rates = std::lower_bound(here.begin(), here.end(), BreakingBond{k, {}})->rates;
       const BondLoads<double>& damping = broken.damping = b.law->damping_loads(b, pose, rates);
       broken.loads = {broken.loads.F + damping.F, broken.loads.M_ij + damping.M_ij,
                       broken.loads.M_ji + damping.M_ji};
@@ -344,30 +340,17 @@ void Simulation::take_out(const Broken& broken) {
   survey_.reset();
 }
 
-/// Books the work that damping does on a block in a kick by h: its part of the loads, along the mean of the
-/// velocities before, which are kept as rates, and after. Local damping acts on what particles move beside
-/// the flow of the cell, which stands for the time of the kick.
-void Simulation::book_damping(const Block& b, double h, const Tensor& flow) {
-  const auto taken_by = [&](const LargeArray<LoadRow>& loads) {
-    if (loads.empty()) return 0.0;
-    return -0.5 * h * kernel_.twice_power(b.rows, loads.data(), bodies_.rates.data(), bodies_.motion.data());
-  };
-  const double all = taken_by(bodies_.damping);
-  const double local = !damping_.is_local() ? 0.0 : bonds_.damp() ? taken_by(bodies_.local_damping) : all;
-  lose(b.index, Loss::local_damping, local);
-  lose(b.index, Loss::bond_damping, all - local);
+/// Books the work that damping does on a block in a kick by h: its loads along the mean of the velocities
+/// before and after. twice_all, twice_local: its powers then, added. Local damping acts on what particles
+/// move beside the flow of the cell, which stands for the time of the kick.
+void Simulation::book_damping(const Block& b, double h, double twice_all, double twice_local,
+                              const Tensor& flow) {
+  lose(b.index, Loss::local_damping, -0.5 * h * twice_local);
+  lose(b.index, Loss::bond_damping, -0.5 * h * (twice_all - twice_local));
   if (!cell_.any() || !damping_.is_local()) return;
   const LargeArray<LoadRow>& loads = bonds_.damp() ? bodies_.local_damping : bodies_.damping;
   for (std::size_t k = b.rows.first; k < std::min(b.rows.last, bodies_.order.own); ++k)
     lose(b.index, Loss::local_damping, h * dot(loads[k].F, vbond::times(flow, bodies_.pose[k].r)));
-}
-
-/// Keeps the velocities of this moment while the block moves on: those of the half step for bonds that read
-/// them.
-void Simulation::keep_rates(const RowRange& rows) {
-  std::copy(bodies_.motion.begin() + static_cast<std::ptrdiff_t>(rows.first),
-            bodies_.motion.begin() + static_cast<std::ptrdiff_t>(rows.last),
-            bodies_.rates.begin() + static_cast<std::ptrdiff_t>(rows.first));
 }
 
 }  // namespace vbond

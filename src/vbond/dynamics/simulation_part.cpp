@@ -55,7 +55,7 @@ void know(PerParticle<Vec3d>& r, const std::vector<PlacedParticle>& more) {
 // ---- a step ------------------------------------------------------------------------------------------
 
 HaloColumns Simulation::halo_columns() {
-  const bool motion = inelastic() || contacts_.any() || capsules_.any();
+  const bool motion = bonds_.reads_rates() || contacts_.any() || capsules_.any();
   return {bodies_.pose, motion ? std::span(bodies_.motion) : std::span<MotionRow>(), &state_.cell};
 }
 
@@ -64,7 +64,6 @@ HaloColumns Simulation::halo_columns() {
 void Simulation::carry_images(const Block& b) {
   if (!parts_have_images() || !is_early(b)) return;
   images_.halo_of_block(b.index, halo_columns());
-  if (inelastic()) keep_rates(images_.rows_of(b.index, b.index + 1));
 }
 
 /// All ghosts get it, where parts have no images of their own; those of other parts until receive_halo().
@@ -79,7 +78,6 @@ void Simulation::send_halo() {
 void Simulation::receive_halo() {
   halo_under_way_ = false;
   exchange_.end_halo(halo_columns());
-  if (inelastic()) keep_rates({bodies_.order.ghosts, bodies_.order.known});
 }
 
 /// Whether particles of the block are ghosts of other parts, or have images; or it ends among ghosts, which
@@ -100,22 +98,31 @@ std::array<Vec3d, 3> Simulation::force_on_images() const {
   return sum;
 }
 
-/// Whether the block gets loads after its part has ended: those on ghosts of its particles, or those of bonds
-/// with ghosts.
+/// Whether the block ends its step after its part has ended: it gets the loads on ghosts of its particles or
+/// of bonds with ghosts, or waits for other parts.
 bool Simulation::is_late(const Block& b) const {
-  return is_early(b) || (with_ghosts_ && bonds_.waits_for_ghosts(b.index));
+  return is_early(b) || (with_ghosts_ && bonds_.waits_for_ghosts(b.index)) || waits_for_parts(b);
 }
 
-/// The end of a part that has images of its own: it goes on with the blocks of their particles at once,
-/// unless the cell moves and asks for the loads on all images.
+/// Whether other parts may read how particles of the block move, until all bonds are done.
+bool Simulation::waits_for_parts(const Block& b) const {
+  return bonds_.reads_rates() && bonds_.at_border(b.index);
+}
+
+/// Whether the end of its part is that of a late block too: the images of its particles are the part's own,
+/// no cell asks for the loads on all images, and no other part for its velocities.
+bool Simulation::ends_with_its_part(const Block& b) const {
+  return parts_have_images() && !cell_.any() && !waits_for_parts(b);
+}
+
+/// The end of a part that has images of its own.
 void Simulation::finish_part(const Part& part, Instant at, StepTimes::Lap& lap) {
   if (!parts_have_images()) return;
   BondSweep sweep = bond_sweep(at);
   bonds_.add_loads_from_above(part, sweep);
   lap.add_to(times_.bonds);
-  if (cell_.any()) return;
   for (std::size_t b = part.first_block; b < part.last_block; ++b)
-    complete_late_block(team_.block(b), at, lap);
+    if (ends_with_its_part(team_.block(b))) complete_late_block(team_.block(b), at, lap);
 }
 
 /// What is done to ghosts goes to their particles: none is left here, so that nothing is counted twice. Then
@@ -129,20 +136,21 @@ void Simulation::complete_late_block(const Block& b, Instant at, StepTimes::Lap&
   complete_block(b, at, lap);
 }
 
-/// All of them, unless that is done.
+/// All of them that finish_part() has left.
 void Simulation::complete_late_blocks(Instant at) {
   if (cell_.any()) {
     cell_.take_forces(force_on_images());
     if (!bodies_.damping.empty()) cell_.take_damping(images_.edges_times_force(bodies_.damping));
   }
-  if (!has_ghosts() || (parts_have_images() && !cell_.any())) return;
+  const bool some_wait = bonds_.reads_rates() && team_.parts().size() > 1;
+  if (!with_ghosts_ && !cell_.any() && !some_wait) return;
   if (with_ghosts_) {
     exchange_.reverse_sum(bodies_.load);
     if (!bodies_.damping.empty()) exchange_.reverse_sum(bodies_.damping);
   }
   team_.for_blocks([&](const Block& b) {
     StepTimes::Lap untimed(false);
-    complete_late_block(b, at, untimed);
+    if (!ends_with_its_part(b)) complete_late_block(b, at, untimed);
   });
 }
 
@@ -360,7 +368,7 @@ std::optional<StateOfPart> Simulation::state_of_part() const {
 void Simulation::make_room() {
   bonds_ = {};
   bond_index_ = {};
-  bodies_.pose = {}, bodies_.motion = {}, bodies_.load = {}, bodies_.damping = {}, bodies_.rates = {};
+  bodies_.pose = {}, bodies_.motion = {}, bodies_.load = {}, bodies_.damping = {};
 }
 
 /// Where processes have own bonds alone, rows and packs make room for those of the others first.
