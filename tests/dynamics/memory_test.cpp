@@ -4,6 +4,7 @@
 #include <malloc.h>
 
 #include "rods.hpp"
+#include "vbond/physics/laws.hpp"
 
 namespace vbond {
 namespace {
@@ -24,9 +25,10 @@ struct Measured {
 
 /// What model, state and simulation of a rod take beside what is said of them. Columns that have grown to a
 /// power of two have no room to spare.
-Measured memory_of_a_rod(std::size_t N, bool bonded, std::size_t tops = 0) {
+Measured memory_of_a_rod(std::size_t N, bool bonded, std::size_t tops = 0,
+                         const BondRecipe& recipe = testing::papers_bond()) {
   const double before = in_use();
-  Specimen s = straight_rod(N);
+  Specimen s = straight_rod(N, recipe);
   if (!bonded) s.state.bonds = {};
   s.model.specimen.assign(N, 0);
   for (std::size_t k = 0; k < tops; ++k) make_top(s.model, ParticleId{k}, {{0.064, 0.07, 0.08}, {}});
@@ -59,6 +61,15 @@ TEST(MemoryUse, CountsTops) {
     if (m.bytes == 0.0) GTEST_SKIP() << "this allocator does not tell, as under a sanitizer";
     EXPECT_NEAR(m.estimate / m.bytes, 1.0, 0.01) << tops;
   }
+}
+
+// The same with a row of damping for each particle.
+TEST(MemoryUse, CountsDamping) {
+  BondRecipe recipe = testing::papers_bond(&bond_law<WithRules<VModel>::Law>);
+  recipe.damping = {DampingBy::coefficients, {0.1, 0.1, 0.1, 0.1}};
+  const Measured m = memory_of_a_rod(particles_of_rod, true, 0, recipe);
+  if (m.bytes == 0.0) GTEST_SKIP() << "this allocator does not tell, as under a sanitizer";
+  EXPECT_NEAR(m.estimate / m.bytes, 1.0, 0.01);
 }
 
 // One rank takes what a run takes, and what LAMMPS takes. With very many, each holds model and state of the

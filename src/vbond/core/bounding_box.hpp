@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include "vbond/core/vec3.hpp"
@@ -36,6 +37,14 @@ struct BoundingBox {
            sq(outside(r.z, low.z, high.z));
   }
   double diagonal() const { return norm(high - low); }
+  /// 0, 1, 2 for x, y, z: the longest direction first, of equal ones in this order.
+  std::array<int, 3> axes_by_length() const {
+    std::array<int, 3> axes{0, 1, 2};
+    const auto length = [size = high - low](int k) { return component(size, k); };
+    std::sort(axes.begin(), axes.end(),
+              [&length](int k, int l) { return length(k) != length(l) ? length(k) > length(l) : k < l; });
+    return axes;
+  }
 };
 
 /// Around all of these points.

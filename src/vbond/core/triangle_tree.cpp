@@ -19,11 +19,6 @@ BoundingBox box_of(const TriangleMesh& mesh, std::size_t k) {
   return box;
 }
 
-int widest(const Vec3d& extent) {
-  if (extent.x >= extent.y && extent.x >= extent.z) return 0;
-  return extent.y >= extent.z ? 1 : 2;
-}
-
 }  // namespace
 
 TrianglePoint closest_on_triangle(const Vec3d& r, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
@@ -58,13 +53,13 @@ TriangleTree::TriangleTree(const TriangleMesh& mesh) : order_(mesh.triangles.siz
   for (const std::uint32_t k : order_) boxes_.push_back(boxes[k]);
 }
 
-/// A node of these triangles and all below it; halves by the middles of the boxes along the widest side.
+/// A node of these triangles and all below it; halves by the middles of the boxes along the longest side.
 void TriangleTree::split(std::uint32_t first, std::uint32_t count, const std::vector<BoundingBox>& boxes) {
   const std::size_t node = nodes_.size();
   nodes_.push_back({{}, first, count, 0});
   for (std::uint32_t k = first; k < first + count; ++k) nodes_[node].box.join(boxes[order_[k]]);
   if (count <= leaf_size) return;
-  const int axis = widest(nodes_[node].box.high - nodes_[node].box.low);
+  const int axis = nodes_[node].box.axes_by_length()[0];
   const auto middle = [&](std::uint32_t k) {
     return component(boxes[k].low, axis) + component(boxes[k].high, axis);
   };

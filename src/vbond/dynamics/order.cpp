@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "vbond/core/bounding_box.hpp"
+
 namespace vbond {
 namespace {
 
@@ -33,17 +35,10 @@ class Layering {
   /// Of those that the column holds, if any.
   explicit Layering(const PerParticle<Vec3d>& r) {
     if (r.values().empty()) return;
-    min_ = *r.begin();
-    Vec3d max = min_;
-    for (const Vec3d& p : r)
-      for (int k = 0; k < 3; ++k) {
-        component(min_, k) = std::min(component(min_, k), component(p, k));
-        component(max, k) = std::max(component(max, k), component(p, k));
-      }
-    const Vec3d extent = max - min_;
-    std::stable_sort(axis_.begin(), axis_.end(),
-                     [&extent](int k, int l) { return component(extent, k) > component(extent, l); });
-    spacing_ = spacing_in(extent, r.values().size());
+    const BoundingBox box = box_around(r);
+    min_ = box.low;
+    axis_ = box.axes_by_length();
+    spacing_ = spacing_in(box.high - box.low, r.values().size());
   }
   Layers of(const Vec3d& p) const {
     Layers l{};

@@ -70,9 +70,14 @@ double boxed_per_bond(const State& state) {
   return state.bonds.empty() ? 0.0 : bytes / static_cast<double>(state.bonds.size());
 }
 
-/// In the rows of the step, and in the order of the part that moves it.
-constexpr double row_bytes = sizeof(PoseRow) + sizeof(MotionRow) + sizeof(LoadRow) + sizeof(InverseInertia) +
-                             2 * sizeof(double) + sizeof(ParticleId);
+/// In the rows of the step, and in the order of the part that moves it. Where any bond damps, each particle
+/// has a row of what damping does.
+double row_bytes(const State& state) {
+  const bool damps = std::any_of(state.bonds.begin(), state.bonds.end(),
+                                 [](const Bond& b) { return !b.broken && is_damped(b); });
+  return sizeof(PoseRow) + sizeof(MotionRow) + (damps ? 2 : 1) * sizeof(LoadRow) + sizeof(InverseInertia) +
+         2 * sizeof(double) + sizeof(ParticleId);
+}
 
 /// Its row, and first and last entry of the index.
 constexpr double places_bytes = sizeof(Row) + 2 * sizeof(std::uint32_t);
@@ -111,9 +116,10 @@ double ghosts_of(const Model& model, double own) {
 }  // namespace
 
 MemoryUse memory_use(const Model& model, const State& state) {
+  const double row = row_bytes(state);
   return {.per_particle = model_bytes_per_particle + lists_per_particle(model) + state_bytes_per_particle +
-                          row_bytes + places_bytes + of_tops_per_particle(model) +
-                          images_per_particle(model, state) * (row_bytes + sizeof(Row) + 2 * sizeof(Image)),
+                          row + places_bytes + of_tops_per_particle(model) +
+                          images_per_particle(model, state) * (row + sizeof(Row) + 2 * sizeof(Image)),
           .per_bond =
               sizeof(Bond) + boxed_per_bond(state) + constants_per_bond(state) + BondIndex::bytes_per_bond};
 }
@@ -124,7 +130,8 @@ double memory_of_each_rank(const Model& model, const State& state, double bonds,
   const double own = n / ranks, atoms = own * atom_bytes;
   if (ranks == 1 || keep == RanksKeep::all_bonds) {
     const double elsewhere = 1.0 - 1.0 / ranks;
-    const double rows_elsewhere = any_capsules(model.contact, state.bonds) ? 0.0 : row_bytes * elsewhere;
+    const double rows_elsewhere =
+        any_capsules(model.contact, state.bonds) ? 0.0 : row_bytes(state) * elsewhere;
     const double bond_elsewhere = (constants_per_bond(state) + BondIndex::bytes_per_bond) * elsewhere;
     return rank_bytes + atoms + n * (use.per_particle - rows_elsewhere) +
            bonds * (use.per_bond - bond_elsewhere);

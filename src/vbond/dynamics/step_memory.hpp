@@ -7,8 +7,8 @@
 
 namespace vbond {
 
-/// Memory that a run takes at least in the time loop; neighbour lists and what a stage adds (damping) are
-/// extra.  [bytes]
+/// Memory that a run takes at least in the time loop; neighbour lists and what a stage adds (local damping,
+/// bonds on approach) are extra.  [bytes]
 struct MemoryUse {
   double per_particle = 0;
   double per_bond = 0;

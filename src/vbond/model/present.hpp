@@ -27,10 +27,8 @@ class PairLayers {
       : within_(within) {
     BoundingBox box;
     for (const ParticleId p : particles) box.add(r[p]);
-    const Vec3d extent = particles.empty() ? Vec3d{} : box.high - box.low;
-    for (int k = 1; k < 3; ++k)
-      if (component(extent, k) > component(extent, axis_)) axis_ = k;
-    const double low = component(box.low, axis_), size = component(extent, axis_);
+    axis_ = box.axes_by_length()[0];
+    const double low = component(box.low, axis_), size = component(box.high, axis_) - low;
     const std::size_t wanted = std::min(1 + particles.size() / particles_each, most);
     const double thickness = size / static_cast<double>(wanted);
     if (!(thickness > within) || !std::isfinite(thickness)) return;  // one

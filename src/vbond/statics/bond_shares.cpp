@@ -6,16 +6,6 @@
 #include "vbond/core/bounding_box.hpp"
 
 namespace vbond {
-namespace {
-
-/// The axis along which the body is longest.
-int longest_axis(const State& s) {
-  const BoundingBox box = box_around(s.r);
-  const Vec3d size = box.high - box.low;
-  return size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-}
-
-}  // namespace
 
 BondShares::BondShares(const State& s) : BondShares(s, nullptr, 1) {}
 
@@ -31,7 +21,7 @@ BondShares::BondShares(const State& s, std::shared_ptr<Crew> crew, std::size_t p
       if (counts(k)) ++ends[s.bonds[k].i], ++ends[s.bonds[k].j], all += 2;
     std::vector<ParticleId> along;
     for (const ParticleId p : s.r.ids()) along.push_back(p);
-    const int axis = longest_axis(s);
+    const int axis = box_around(s.r).axes_by_length()[0];
     std::stable_sort(along.begin(), along.end(), [&](ParticleId p, ParticleId q) {
       return component(s.r[p], axis) < component(s.r[q], axis);
     });
