@@ -50,11 +50,16 @@ void fill_lane(FullPack& p, std::size_t l, const Bond& b, double /*scale*/) {
   put(frame_j(b), l, p.frame_j);
 }
 
-/// The farther apart its particles are, to a factor of two, the sooner. By their own rows: those of images
-/// depend on which images there are, and with them the order would change when a run is resumed.
-int pass_of(const Bond& b, const Order& order) {
+/// By their own rows: those of images depend on which images there are, and with them the order of bonds
+/// would change when a run is resumed.
+std::size_t rows_apart(const Bond& b, const Order& order) {
   const std::size_t i = order.row[b.i].value, j = order.row[b.j].value;
-  return -static_cast<int>(std::bit_width(i < j ? j - i : i - j));
+  return i < j ? j - i : i - j;
+}
+
+/// The farther apart its particles are, to a factor of two, the sooner.
+int pass_of(const Bond& b, const Order& order) {
+  return -static_cast<int>(std::bit_width(rows_apart(b, order)));
 }
 
 BondRates<double> rates_between(const MotionRow& i, const MotionRow& j) {
@@ -116,13 +121,16 @@ void BondPacks::arrange(const State& state, const Order& order, const Team& team
   std::vector<Sorted> sorted;
   sorted.reserve(static_cast<std::size_t>(std::count_if(
       bonds.begin(), bonds.end(), [&order](const Bond& b) { return !b.broken && order.has(b.i); })));
+  bool any_far = false;  // broken ones, too: so this does not change when a run is resumed
   auto warm = state.warm_bonds.begin();
   for (const BondId b : bonds.ids()) {
     const bool expands = warm != state.warm_bonds.end() && warm->bond == b;
     if (expands) ++warm;
     const Kind kind =
         kind_of(bonds[b], expands);  // asked of broken ones too: kinds are numbered as they come
-    if (bonds[b].broken || !order.has(bonds[b].i)) continue;
+    if (!order.has(bonds[b].i)) continue;
+    any_far |= rows_apart(bonds[b], order) >= block_rows;
+    if (bonds[b].broken) continue;
     note(bonds[b]);
     ++bonds_;
     // Full packs are so long that they would push the rows of a block out of the cache between two passes.
@@ -130,6 +138,8 @@ void BondPacks::arrange(const State& state, const Order& order, const Team& team
     sorted.push_back({row_of_work(bonds[b], order), kind, pass, b, expands});
   }
   tell_each_other(all);
+  if (!any_far)
+    for (Sorted& s : sorted) s.pass = 0;
   std::sort(sorted.begin(), sorted.end(), [](const Sorted& a, const Sorted& b) {
     return std::tuple(a.block(), a.kind.compact, a.kind.type, a.pass, a.row, a.bond) <
            std::tuple(b.block(), b.kind.compact, b.kind.type, b.pass, b.row, b.bond);

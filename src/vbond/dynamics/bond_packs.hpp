@@ -30,11 +30,11 @@ struct BreakingBond {
 
 /// The constants of all bonds in the order in which the step loop works through them: by the block of the
 /// lower of their two rows (with ghosts by that of the ghost, if the order says so), in a block by kind,
-/// those of compact packs by how far apart their rows are to a factor of two, the farthest first, then by
-/// that row and in order of creation. So bonds that follow each other seldom share a particle, and rows are
-/// read in streams. This order fixes the order in which loads are summed for each particle, whatever the
-/// number of threads. Once the bonds of a block and all before it are done, the loads of that block's
-/// particles are complete, but for bonds with ghosts.
+/// those of compact packs by how far apart their rows are to a factor of two, the farthest first, unless all
+/// bonds join rows less than a block apart, then by that row and in order of creation. So bonds that follow
+/// each other seldom share a particle, and rows are read in streams. This order fixes the order in which
+/// loads are summed for each particle, whatever the number of threads. Once the bonds of a block and all
+/// before it are done, the loads of that block's particles are complete, but for bonds with ghosts.
 class BondPacks {
  public:
   /// To be called whenever bonds were made, by all parts together. Broken bonds are left out; of a body in

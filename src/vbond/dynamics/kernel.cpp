@@ -14,8 +14,8 @@ namespace {
 // ---- particles --------------------------------------------------------------------------------------
 
 template <bool damped>
-VBOND_HD Kicked kick_rows(RowRange rows, double h, const InverseInertia* inverse, const LoadRow* load,
-                          MotionRow* motion, const LoadRow* damping) {
+VBOND_HD double kick_rows(RowRange rows, double h, const InverseInertia* inverse, const LoadRow* load,
+                          MotionRow* motion, const LoadRow* damping, double& twice_power) {
   const Real step(h);
   Real sum[2][8 / lanes], power[2][8 / lanes];  // the sum of all loads: not finite if one of them is not
   for (std::size_t n = 0; n < 2; ++n)
@@ -26,24 +26,29 @@ VBOND_HD Kicked kick_rows(RowRange rows, double h, const InverseInertia* inverse
         const Real F = Real::load(numbers(load + k + n) + part);
         double* v = numbers(motion + k + n) + part;
         const Real per_inertia = halves_of(inverse[k + n].per_m, inverse[k + n].per_Theta, part);
-        const Real before = Real::load(v);
-        (before + step * per_inertia * F).store(v);
+        const Real before = Real::load(v), after = before + step * per_inertia * F;
+        after.store(v);
         sum[n][part / lanes] = sum[n][part / lanes] + F;
         if constexpr (damped)
           power[n][part / lanes] =
-              power[n][part / lanes] + Real::load(numbers(damping + k + n) + part) * before;
+              power[n][part / lanes] + Real::load(numbers(damping + k + n) + part) * (before + after);
       }
   for (std::size_t part = 0; part < 8 / lanes; ++part) {
     sum[0][part] = sum[0][part] + sum[1][part];
     power[0][part] = power[0][part] + power[1][part];
   }
-  return {0.0 * sum_of_row(sum[0]), damped ? sum_of_row(power[0]) : 0.0};
+  if constexpr (damped) twice_power = sum_of_row(power[0]);
+  return 0.0 * sum_of_row(sum[0]);
 }
 
-Kicked kick(RowRange rows, double h, const InverseInertia* inverse, const LoadRow* load, MotionRow* motion,
-            const LoadRow* damping) {
-  return damping == nullptr ? kick_rows<false>(rows, h, inverse, load, motion, damping)
-                            : kick_rows<true>(rows, h, inverse, load, motion, damping);
+double kick(RowRange rows, double h, const InverseInertia* inverse, const LoadRow* load, MotionRow* motion) {
+  double none = 0.0;
+  return kick_rows<false>(rows, h, inverse, load, motion, nullptr, none);
+}
+
+double kick_damped(RowRange rows, double h, const InverseInertia* inverse, const LoadRow* load,
+                   MotionRow* motion, const LoadRow* damping, double& twice_power) {
+  return kick_rows<true>(rows, h, inverse, load, motion, damping, twice_power);
 }
 
 /// The largest square of each component of v and omega in these rows. A NaN counts as a small number: it
@@ -158,15 +163,8 @@ struct LoopsOf<LawList<Laws...>> {
 }  // namespace
 
 extern const StepKernel kernel;
-const StepKernel kernel{VBOND_KERNEL_NAME,
-                        LoopsOf<BondLaws>::loops,
-                        kick,
-                        drift,
-                        slow_down,
-                        add_contact_loads,
-                        touch_pairs,
-                        add_touches,
-                        power,
+const StepKernel kernel{VBOND_KERNEL_NAME, LoopsOf<BondLaws>::loops, kick,        kick_damped, drift,
+                        slow_down,         add_contact_loads,        touch_pairs, add_touches, power,
                         add_rows};
 
 }  // namespace vbond::VBOND_KERNEL

@@ -35,20 +35,18 @@ struct BondLoops {
   PackLoops<FullPack> full;
 };
 
-/// What a kick tells of its rows.
-struct Kicked {
-  double poison;  ///< 0, or NaN if a load is not finite or their sum is too large for a double
-  double power;   ///< of damping before the kick, the sum of F . v + M . omega; or 0
-};
-
 /// The loops of a step that must be fast, compiled once per instruction set. All sets give the same bits.
 /// Rows after the last one may be taken with it, up to a multiple of rows_at_once.
 struct StepKernel {
   const char* name;        ///< of the instruction set
   const BondLoops* bonds;  ///< of each law in BondLaws, in that order
-  /// v += h F/m, omega += h M/Theta. damping: a part of the loads, or null.
-  Kicked (*kick)(RowRange, double h, const InverseInertia*, const LoadRow*, MotionRow*,
-                 const LoadRow* damping);
+  /// v += h F/m, omega += h M/Theta. Returns 0, or NaN if a load is not finite or their sum is too large for
+  /// a double.
+  double (*kick)(RowRange, double h, const InverseInertia*, const LoadRow*, MotionRow*);
+  /// The same. damping: a part of these loads. twice_power: set to the sum of F . v + M . omega of that part
+  /// before the kick and after it, added.
+  double (*kick_damped)(RowRange, double h, const InverseInertia*, const LoadRow*, MotionRow*,
+                        const LoadRow* damping, double& twice_power);
   /// r += h v; q is turned exactly by the angle vector h omega. Returns a bound of the largest |h v|^2 that
   /// is at most three times too large.
   double (*drift)(RowRange, double h, const MotionRow*, PoseRow*);

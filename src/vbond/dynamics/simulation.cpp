@@ -174,27 +174,16 @@ RowsAhead Simulation::rows_of(const Block& b) const {
 
 /// A kick over half a step, with the work of supports and of damping in it. flow: that of the cell then.
 void Simulation::kick_and_book(const Block& b, Instant from, Instant to, const Tensor& flow) {
+  if (!only_elastic_ && !bodies_.damping.empty()) return kick_and_book_damping(b, from, to, flow);
   const double h = stage_.dt / 2;
-  const auto power_of = [&](const LargeArray<LoadRow>& loads) {
-    return loads.empty() ? 0.0 : kernel_.power(b.rows, loads.data(), bodies_.motion.data());
-  };
-  const bool damps = !only_elastic_ && !bodies_.damping.empty();
-  double twice_local = damps ? power_of(bodies_.local_damping) : 0.0;
-  double twice_all = kick(b, h);
+  kick(b, h);
   books_[b.index].work_supports += supports_.hold_after_kick(b, from, to, h);
-  if (!damps) return;
-  twice_all += power_of(bodies_.damping), twice_local += power_of(bodies_.local_damping);
-  book_damping(b, h, twice_all, bonds_.damp() ? twice_local : twice_all, flow);
 }
 
-/// Returns the power of damping before it.
-double Simulation::kick(const Block& b, double h) {
-  const LoadRow* damping = bodies_.damping.empty() ? nullptr : bodies_.damping.data();
-  const Kicked kicked = kernel_.kick(particles_of(b), h, bodies_.inverse.data(), bodies_.load.data(),
-                                     bodies_.motion.data(), damping);
-  books_[b.index].poison += kicked.poison;
+void Simulation::kick(const Block& b, double h) {
+  books_[b.index].poison +=
+      kernel_.kick(particles_of(b), h, bodies_.inverse.data(), bodies_.load.data(), bodies_.motion.data());
   if (bodies_.tops.any()) bodies_.tops.kick(b.rows, h, bodies_.load, bodies_.turning());
-  return kicked.power;
 }
 
 double Simulation::drift(const Block& b, double h) {

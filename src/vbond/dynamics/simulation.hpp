@@ -195,7 +195,8 @@ class Simulation final : public BodyView, private MotionHost {
   void end_step(const Block& block);
   RowsAhead rows_of(const Block& block) const;
   void kick_and_book(const Block& block, Instant from, Instant to, const Tensor& flow);
-  double kick(const Block& block, double h);
+  void kick_and_book_damping(const Block& block, Instant from, Instant to, const Tensor& flow);
+  void kick(const Block& block, double h);
   double drift(const Block& block, double h);
   void clear_loads(const Block& block);
   BondSweep bond_sweep(Instant at);
@@ -204,7 +205,6 @@ class Simulation final : public BodyView, private MotionHost {
   void add_contact_loads(const Block& block, double dt);
   void complete_block(const Block& block, Instant at, StepTimes::Lap& lap);
   void complete_loads(const Block& block, Instant at, StepTimes::Lap& lap);
-  void book_damping(const Block& block, double h, double twice_all, double twice_local, const Tensor& flow);
   void share_damping(Losses& lost) const;
   void lose(std::size_t block, Loss cause, double energy) {
     books_[block].dissipated += energy, lost_[block][cause] += energy;

@@ -340,11 +340,27 @@ void Simulation::take_out(const Broken& broken) {
   survey_.reset();
 }
 
-/// Books the work that damping does on a block in a kick by h: its loads along the mean of the velocities
-/// before and after. twice_all, twice_local: its powers then, added. Local damping acts on what particles
-/// move beside the flow of the cell, which stands for the time of the kick.
-void Simulation::book_damping(const Block& b, double h, double twice_all, double twice_local,
-                              const Tensor& flow) {
+/// The kick with the work that damping does in it: its loads along the mean of the velocities before and
+/// after. Local damping acts on what particles move beside the flow of the cell, which stands for the time of
+/// the kick.
+void Simulation::kick_and_book_damping(const Block& b, Instant from, Instant to, const Tensor& flow) {
+  const double h = stage_.dt / 2;
+  const auto power_of = [&](const LargeArray<LoadRow>& loads) {
+    return loads.empty() ? 0.0 : kernel_.power(b.rows, loads.data(), bodies_.motion.data());
+  };
+  double twice_all = 0.0, twice_local = power_of(bodies_.local_damping);
+  if (bodies_.tops.any() || supports_.hold_any(b)) {  // velocities change by more than these loads
+    twice_all = power_of(bodies_.damping);
+    kick(b, h);
+    books_[b.index].work_supports += supports_.hold_after_kick(b, from, to, h);
+    twice_all += power_of(bodies_.damping);
+  } else {
+    books_[b.index].poison +=
+        kernel_.kick_damped(particles_of(b), h, bodies_.inverse.data(), bodies_.load.data(),
+                            bodies_.motion.data(), bodies_.damping.data(), twice_all);
+  }
+  twice_local += power_of(bodies_.local_damping);
+  if (!bonds_.damp()) twice_local = twice_all;
   lose(b.index, Loss::local_damping, -0.5 * h * twice_local);
   lose(b.index, Loss::bond_damping, -0.5 * h * (twice_all - twice_local));
   if (!cell_.any() || !damping_.is_local()) return;

@@ -54,6 +54,11 @@ class Supports {
            (grips_.any() ? grips_.hold_after_kick(block, from, to, h) : 0.0);
   }
 
+  /// Whether they hold any particle of the block.
+  bool hold_any(const Block& block) const {
+    return grips_.any() || (!held_.empty() && held_.begin_of(block.index) != held_.end_of(block.index));
+  }
+
   /// Each degree of freedom that is held, once, of particles that are moved here.
   const std::vector<Hold>& holds() const { return holds_; }
   Grips& grips() { return grips_; }
