@@ -384,13 +384,14 @@ int check(const RunOptions& options) {
   const double dt = fitted ? dynamics->dt : expected_step(c, model, state);
   const StepsOfStages steps = expected_steps(c, run, dt);
   print_stages(c, run, steps, dt, dynamics || c.time.given());
+  const std::optional<Stage> motion = dynamics ? *dynamics : print_step_ahead(c, run, dt);
   print_loads(c, model);
   print_output_remarks(c, plan, model);
   print_output_size(c, plan, model, state, steps.now);
   print_memory(c, model, state, options.ranks);
   print_bonds_to_come(c, run);
   print_solvers(run);
-  if (dynamics) print_wall_time(steps, run, *dynamics, threads);
+  if (motion) print_wall_time(steps, run, *motion, threads);
   fmt::print("{}: no mistakes found\n", printable(c.file));
   return done;
 }

@@ -124,6 +124,21 @@ void print_step(const Case& c, const Model& model, const BodyPart& body, const S
   print_notes(times_not_met(stage));
 }
 
+std::optional<Stage> print_step_ahead(const Case& c, const Run& run, double dt) {
+  Outlook outlook = run.outlook();
+  for (std::size_t k = run.stage_index() + 1; k < run.stages().size(); ++k) {
+    const AnyStage stage = run.stages().look_ahead(k, run.model(), outlook);
+    const auto* motion = std::get_if<Stage>(&stage);
+    if (motion == nullptr) continue;
+    Stage ahead = *motion;
+    if (ahead.dt == 0.0) ahead.dt = dt;
+    fmt::print("in stage {}, as the body stands now:\n", printable(ahead.name));
+    print_step(c, run.model(), run.current(), ahead);
+    return ahead;
+  }
+  return std::nullopt;
+}
+
 void print_machine(const Case& c, int threads) {
   fmt::print("instruction set  {}, {}{} thread{}\n", instruction_set(), threads == 1 ? "" : "up to ", threads,
              threads == 1 ? "" : "s");

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,6 +38,10 @@ void print_overview(const Case& c, const Model& model, const BodyPart& body);
 
 /// Prints the step of a stage, the critical one and where it comes from, and what the step does not meet.
 void print_step(const Case& c, const Model& model, const BodyPart& body, const Stage& stage);
+
+/// The same of the first stage of dynamics after the one that comes next, as the body stands now. Returns it
+/// with the step dt, if nothing else is known of it; none if there is no such stage.
+std::optional<Stage> print_step_ahead(const Case& c, const Run& run, double dt);
 
 /// Prints what the run computes with: the instruction set of the bonds and the number of threads; for static
 /// stages the kernel of BLAS.

@@ -144,6 +144,26 @@ TEST(FreeGrip, SwingsAboutAHinge) {
   EXPECT_LT(error[1], 2e-3);
 }
 
+// A state that is a rounding off where its grip stands belongs to it; one that somebody has moved does not.
+TEST(FreeGrip, GoesOnFromPlacesThatAreRoundedOtherwise) {
+  Specimen s = testing::particles_at({{1, 0, 0}, {2, 0, 0}, {3, 0, 0}});
+  Stage stage = testing::plain_stage(0.02, 10.0);
+  stage.supports = {grip(s.model.groups[0].particles, {true, true, true, true, true, false})};
+  stage.supports[0].velocity = {0.1, 0.2, 0};
+  for (const ParticleId p : s.state.r.ids()) s.state.omega[p] = {0, 0, 0.1};
+  Simulation run(s.model, stage, s.state);
+  while (run.clock().step < 250) run.step();
+  const double half = run.grips().at(0).angle;
+  EXPECT_GT(half, 0.04);
+  for (const double off : {0.0, 1e-15, 1e-6}) {
+    State now = run.state();
+    for (Vec3d& r : now.r) r.x += off;
+    Simulation then(s.model, stage, now);
+    then.run();
+    EXPECT_NEAR(then.grips().at(0).angle, off < 1e-12 ? 2.0 * half : half, 1e-12) << off;
+  }
+}
+
 // A grip of one particle that holds its rotation moves as a support that does: also at the face of a cell,
 // where loads come from images.
 TEST(FreeGrip, OfOneParticleMovesAsASupportThroughFaces) {

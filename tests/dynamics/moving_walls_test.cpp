@@ -66,7 +66,7 @@ TEST(Wall, TurnsAboutItsCentreUnlessAPivotIsGiven) {
 /// Goes on with the next stage.
 Simulation next(const Specimen& s, const Stage& stage, Simulation& before) {
   State state = before.state();
-  ++state.clock.stage, state.clock.stage_step = 0;
+  begin_next_stage(state.clock);
   return {s.model, stage, state};
 }
 

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "spheres_and_walls.hpp"
+#include "teams.hpp"
+#include "vbond/dynamics/contacts.hpp"
 #include "vbond/model/step_bound.hpp"
 #include "vbond/physics/laws.hpp"
 
@@ -154,6 +156,48 @@ TEST(Friction, KeepsMomentumAngularMomentumAndTheBooks) {
   EXPECT_GT(twist, 1e-2);
   EXPECT_LT(std::abs(fine), 1e-5);
   EXPECT_LT(std::abs(fine), 0.3 * std::abs(coarse));  // first order, by the turning of friction
+}
+
+// Three pairs of four spheres, so that lanes are left over, and a heap of 27: with every instruction set the
+// same bits, and nothing in the numbers of a row that no particle has, which sums over rows take with them.
+TEST(Friction, LoadsRowsAlikeWithEveryInstructionSet) {
+  const std::vector<Vec3d> four{{0, 0, 0}, {0.9, 0.1, 0}, {0.4, 0.8, 0.3}, {0.4, 0.1, 5}};
+  std::vector<Vec3d> heap;
+  for (int k = 0; k < 27; ++k)
+    heap.push_back({0.8 * (k % 3), 0.8 * (k / 3 % 3) + 0.1 * (k % 2), 0.8 * (k / 9)});
+  for (const std::vector<Vec3d>& r : {four, heap})
+    for (const RollingForm form : {RollingForm::none, RollingForm::constant, RollingForm::spring}) {
+      ContactModel contact{.law = ContactLaw::linear, .pairs = ContactPairs::all};
+      contact.k = 3.0, contact.k_t = 1.0, contact.tangential = TangentialForm::linear;
+      contact.rolling = form, contact.rolling_stiffness = 1.0;
+      contact.surface = {.friction = 0.6, .rolling_friction = 0.15, .twisting_friction = 0.15};
+      const Specimen s = spheres(r, 0.5, 1.0, contact);
+      const Order order = spatial_order(s.model.r_0);
+      const BondIndex no_bonds(order, {});
+      const Team team = testing::team_of(1, r.size());
+      const auto loads_with = [&](const StepKernel& kernel) {
+        Bodies bodies(s.model);
+        testing::Dice dice(4);
+        for (std::size_t k = 0; k < r.size(); ++k)
+          bodies.motion[k].v = {dice(-1, 1), dice(-1, 1), dice(-1, 1)},
+          bodies.motion[k].omega = {dice(-1, 1), dice(-1, 1), dice(-1, 1)};
+        Contacts contacts(s.model, order, no_bonds, kernel);
+        contacts.refresh(bodies.poses(), team);
+        contacts.work_out({0, r.size()}, bodies, 0.01);
+        contacts.add_loads({0, r.size()}, bodies.pose.data(), bodies.load.data());
+        return std::vector<LoadRow>(bodies.load.begin(), bodies.load.end());
+      };
+      const std::vector<LoadRow> expected = loads_with(*available_kernels().front());
+      for (const StepKernel* kernel : available_kernels()) {
+        const std::vector<LoadRow> load = loads_with(*kernel);
+        for (std::size_t k = 0; k < r.size(); ++k) {
+          EXPECT_TRUE(load[k].F == expected[k].F && load[k].M == expected[k].M) << kernel->name << k;
+          EXPECT_EQ(load[k].unused_1, 0.0) << kernel->name << k;
+          EXPECT_EQ(load[k].unused_2, 0.0) << kernel->name << k;
+        }
+        EXPECT_GT(norm(load[0].M), 1e-3);
+      }
+    }
 }
 
 // Two spheres with JKR that are drawn apart part at the reach of adhesion, and what surfaces have gained is

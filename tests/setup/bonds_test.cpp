@@ -309,6 +309,17 @@ TEST(Bonds, ByDistancePassOverPairsThatAreBonded) {
   EXPECT_EQ(b.state.bonds[BondId{9}].set, 1u);
 }
 
+// Particles of a rod lie at rounded multiples of its spacing.
+TEST(Bonds, ByADistanceThatIsTheSpacingJoinAllNeighbours) {
+  for (const double spacing : {0.0125, 0.001, 0.1, 1.0 / 3.0, 0.7}) {
+    Case c = case_of(RodSpecimen{41, spacing, {0.3, -2.0, 1.7}, {1, 0, 0}});
+    c.bonds = {bonds_within(spacing)};
+    EXPECT_EQ(build(c).state.bonds.size(), 40u) << spacing;
+    c.bonds = {bonds_within(spacing * (1.0 - 1e-8))};
+    EXPECT_TRUE(contains(text_of_error(c), "no pair is within")) << spacing;
+  }
+}
+
 TEST(Bonds, ByDistanceJoinOnlyTheTwoGroups) {
   Case c = case_of(RodSpecimen{4, 1.0, {}, {1, 0, 0}});
   c.groups = {{{"case.toml", 7, 1}, "left", IndexList{0, 1}},

@@ -94,6 +94,29 @@ TEST(FreeGripsAtRest, AreTheLimitOfStiffBonds) {
   EXPECT_LE(all["given up"], all.full ? all.cases / 10 : all.cases);
 }
 
+// Whether loads grow from zero or are there at the start: a grip has turned by all that it has gone.
+TEST(FreeGripsAtRest, TurnUnderConstantLoadsToo) {
+  int turned = 0;
+  for (unsigned seed = 1; seed <= 12; ++seed) {
+    SCOPED_TRACE(seed);
+    Case c = random_case(seed);
+    c.stage.path.above = 1.0, c.stage.path.first_step = 0.25;
+    const auto angle_at_end = [&c](StageKind kind) {
+      c.stage.kind = kind;
+      double angle = 0.0;
+      StaticHooks hooks;
+      hooks.point = [&angle](const StaticPoint& p) { angle = p.grips.at(0).angle; };
+      run_static_stage(c.body.model, c.stage, c.body.state, hooks);
+      return angle;
+    };
+    const double of_all = angle_at_end(StageKind::equilibrium);
+    for (std::size_t k = 0; k + 1 < c.stage.loads.size(); ++k) c.stage.loads[k].constant = true;
+    EXPECT_NEAR(angle_at_end(StageKind::path), of_all, 1e-8);
+    turned += of_all > 1e-3 ? 1 : 0;
+  }
+  EXPECT_GT(turned, 6);
+}
+
 // The tangent and the load direction, by differences. As for slanted supports, the antisymmetric part of what
 // is out of balance is left out on purpose. Bonds between the particles of every second grip are strained as
 // it takes hold.

@@ -80,7 +80,7 @@ void check_crossings(Table& t, const BondSpec& b) {
 
 void describe(Table& t, WithinDistance& s) {
   t.key("distance", s.distance, positive(length), required,
-        "all pairs whose centres are at most this far apart");
+        "all pairs whose centres are at most this far apart, but for 1e-9 of it");
 }
 
 void describe(Table& t, WithinGap& s) {

@@ -56,7 +56,7 @@ Bonding::Bonding(const Model& model, const Stage& stage, const Order& order, con
                index.bonded(p, o, order.image(j) - order.image(i));
       });
     };
-    PerRow<double> half(order.known, 0.5 * rule.distance);
+    PerRow<double> half(order.known, 0.5 * rule.limit(0.0, 0.0));
     double mean = 0.0, largest = 0.0;
     for (const ParticleId p : model.radius.ids())
       mean += model.radius[p] / static_cast<double>(model.particles()),
@@ -64,10 +64,10 @@ Bonding::Bonding(const Model& model, const Stage& stage, const Order& order, con
     if (rule.factor > 0.0)
       for (const Row k : half.ids()) {
         const double R = model.radius[order.particle[k]];
-        half[k] = 0.5 * rule.reach(R, R);
+        half[k] = 0.5 * rule.limit(R, R);
       }
     rules_.push_back(
-        {&rule, NeighbourList(half, 0.2 * rule.reach(mean, mean), keep), rule.reach(largest, largest)});
+        {&rule, NeighbourList(half, 0.2 * rule.reach(mean, mean), keep), rule.limit(largest, largest)});
   }
 }
 
@@ -93,7 +93,7 @@ bool Bonding::holds(const BondRecipe& recipe, std::span<const PoseRow> pose, Row
 
 bool Bonding::within_reach(const BondingRule& rule, std::span<const PoseRow> pose, Row i, Row j) const {
   const auto R = [this](Row k) { return model_.radius[order_.particle[k]]; };
-  return norm2(between(pose[i.value], pose[j.value])) <= sq(rule.reach(R(i), R(j)));
+  return norm2(between(pose[i.value], pose[j.value])) <= sq(rule.limit(R(i), R(j)));
 }
 
 std::vector<Bonding::Pair> Bonding::find(std::span<const PoseRow> pose, const Team& team) {

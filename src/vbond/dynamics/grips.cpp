@@ -1,6 +1,7 @@
 #include "vbond/dynamics/grips.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace vbond {
@@ -48,12 +49,18 @@ ParticleId Grips::particle_of(const Member& m, std::size_t k) const {
   return grip.support->particles[k - grip.first];
 }
 
+/// But for rounding: a stage that was made longer sums up its factor anew.
 bool Grips::stands_at(const Grip& grip, const Place& now, const State& state) const {
+  constexpr double rounding = 1e-12;
   for (std::size_t k = grip.first; k < grip.first + grip.support->particles.size(); ++k) {
     const ParticleId p = particle_of(members_[k], k);
     if (!members_[k].moved || is_absent(state, p)) continue;  // who is gone stays where it was
     const PoseRow belongs = pose_at(members_[k], now);
-    if (!(state.r[p] == belongs.r && state.q[p] == belongs.q)) return false;
+    const double size = norm(now.pivot) + norm(members_[k].as_held.arm);
+    const Vec3d &r = state.r[p], off = r - belongs.r;
+    const Quatd &q = state.q[p], &at = belongs.q;
+    const double turned = std::hypot(std::hypot(q.w - at.w, q.x - at.x), std::hypot(q.y - at.y, q.z - at.z));
+    if (!(norm(off) <= rounding * size && turned <= rounding)) return false;
   }
   return true;
 }

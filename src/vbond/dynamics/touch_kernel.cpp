@@ -152,7 +152,8 @@ VBOND_HD void work_out(const TouchRule& rule, const TouchTable& table, Together&
   store_quads(now_slip, table.slip, t.pair, Half::first);
   store_quads(now_damping, table.slip, t.pair, Half::second);
   if (rolls) {
-    Halves of_M = {loads.M.x, loads.M.y, loads.M.z, zero}, now_rolling = {h.M_r.x, h.M_r.y, h.M_r.z, h.M_t};
+    // the fourth is not used; where it was zero, g++ 12 stored the third in its place
+    Halves of_M = {loads.M.x, loads.M.y, loads.M.z, h.M_t}, now_rolling = {h.M_r.x, h.M_r.y, h.M_r.z, h.M_t};
     store_quads(of_M, table.moment, t.slot, Half::first);
     store_quads(now_rolling, table.rolling, t.pair, Half::first);
   }
@@ -199,7 +200,7 @@ VBOND_HD void add_pair(const TouchTable& table, std::size_t slot, double sign, d
         row[at / lanes] + halves_of(sign, lever, at) * Real::load(used + at) * Real::load(load + at);
   if (table.moment == nullptr) return;
   double moment[8] = {};
-  std::memcpy(moment + 4, table.moment + slot, sizeof(MomentRow));
+  std::memcpy(moment + 4, table.moment + slot, sizeof(Vec3d));  // the fourth number of a row stays 0
   for (std::size_t at = 0; at < 8; at += lanes)
     row[at / lanes] = row[at / lanes] + Real(sign) * Real::load(moment + at);
 }

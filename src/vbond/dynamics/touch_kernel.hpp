@@ -63,7 +63,7 @@ struct TouchTable {
   std::size_t first_pair, first_slot;
   // of each slot
   PairLoadRow* load;
-  MomentRow* moment;       ///< M_r + M_t n, and 0; nullptr without a form of rolling
+  MomentRow* moment;       ///< M_r + M_t n; M_t is not used; nullptr without a form of rolling
   std::uint8_t* touching;  ///< whether the loads are of now
 };
 

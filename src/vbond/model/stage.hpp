@@ -67,9 +67,15 @@ struct BondReach {
   double factor = 0;
   /// Spheres that touch but for rounding do touch: 1e-9 of the radii is within reach.
   double operator()(double R_i, double R_j) const {
-    constexpr double rounding = 1e-9;
     return factor > 0.0 ? distance + (factor + rounding) * (R_i + R_j) : distance;
   }
+  /// What pairs are compared with: centres that are so far apart but for rounding are within a distance, too.
+  double limit(double R_i, double R_j) const {
+    return factor > 0.0 ? (*this)(R_i, R_j) : (1.0 + rounding) * distance;
+  }
+
+ private:
+  static constexpr double rounding = 1e-9;
 };
 
 /// Which part of all pairs is bonded, by a number of each pair.
@@ -88,6 +94,7 @@ struct BondingRule {
   BondShare share = {};
 
   double reach(double R_i, double R_j) const { return BondReach{distance, factor}(R_i, R_j); }
+  double limit(double R_i, double R_j) const { return BondReach{distance, factor}.limit(R_i, R_j); }
 };
 
 /// Stop when the distance between two particles passes a value.

@@ -36,10 +36,14 @@ struct Clock {
   friend bool operator==(const Clock&, const Clock&) = default;
 };
 
-/// The clock of a stage that has come to its end moves on to the next one.
+/// The clock of a stage that has come to its end moves on to the next one. dt stays that of the last step
+/// until the next stage begins: what is known of the middle of steps goes on from there.
 inline void begin_next_stage(Clock& clock) {
-  clock = {
-      .step = clock.step, .stage_step = 0, .stage = clock.stage + 1, .stage_start = clock.time(), .dt = 0};
+  clock = {.step = clock.step,
+           .stage_step = 0,
+           .stage = clock.stage + 1,
+           .stage_start = clock.time(),
+           .dt = clock.dt};
 }
 
 /// Energy that has entered or left since the start of the run.  [energy]

@@ -80,9 +80,10 @@ struct StaticStage : StageTerms {
   std::vector<Support> supports;
   std::vector<PointLoad> loads;
   CellDrive cell;  ///< of a periodic body: all kinds but modes
-  /// Path, buckling, fracture: of components that give way, the stress at load factor 0; run_static_stage()
-  /// takes it from what the stage finds.  [force/length^2]
+  /// Path, buckling, fracture: what run_static_stage() takes from the balance at load factor 0: the stress of
+  /// components that give way [force/length^2], and how rigid supports have turned, in their order.
   std::array<double, 6> cell_stress_at_start{};
+  std::vector<Quatd> grip_turns_at_start;
   WaveVectors waves;  ///< of a periodic body: modes, buckling; none: the images move alike
   NewtonSettings newton;
   int steps = 1;  ///< equilibrium, fracture: load steps at least; more if they are too large

@@ -164,8 +164,8 @@ void add_overlapping(const RunFacts& run, Warnings& all) {
   all.push_back(
       {Level::warning,
        fmt::format("{} pair{} of particles that are not bonded overlapped more than watch.overlap allows: "
-                   "bodies may have slipped through one another. A stiffer contact law, or a finer body, "
-                   "keeps them apart; the terminal named the first pairs.",
+                   "bodies may have slipped through one another. Contacts, stiffer ones if the case has "
+                   "some, or a finer body, keep them apart; the terminal named the first pairs.",
                    pairs, pairs == 1 ? "" : "s")});
 }
 

@@ -71,7 +71,7 @@ double pairs_now(const BondingRule& rule, const Model& model, const State& state
   const auto is_one = [&](const Bond& b) {
     const bool joins =
         (rule.in_a[b.i.value] && rule.in_b[b.j.value]) || (rule.in_a[b.j.value] && rule.in_b[b.i.value]);
-    const double reach = rule.reach(model.radius[b.i], model.radius[b.j]);
+    const double reach = rule.limit(model.radius[b.i], model.radius[b.j]);
     return !b.broken && joins && norm(between(state, b)) <= reach;
   };
   const auto bonded = std::count_if(state.bonds.begin(), state.bonds.end(), is_one);

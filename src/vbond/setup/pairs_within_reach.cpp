@@ -28,11 +28,12 @@ std::vector<Pair> pairs_within(const std::vector<Vec3d>& r, const std::vector<do
                                const BondReach& reach, const std::vector<char>& in_a,
                                const std::vector<char>& in_b, double most, const CellEdges& cell,
                                const Periodic& periodic) {
-  if (!(reach.factor > 0.0)) return pairs_within(r, reach.distance, in_a, in_b, most, cell, periodic);
+  const double of_points = reach.limit(0.0, 0.0);
+  if (!(reach.factor > 0.0)) return pairs_within(r, of_points, in_a, in_b, most, cell, periodic);
   std::vector<double> sizes;
-  for (const double R : radius) sizes.push_back(0.5 * (reach(R, R) - reach.distance));
+  for (const double R : radius) sizes.push_back(0.5 * (reach.limit(R, R) - of_points));
   std::vector<Pair> pairs;
-  for_overlapping_images(cell, periodic, r, sizes, reach.distance,
+  for_overlapping_images(cell, periodic, r, sizes, of_points,
                          [&](std::size_t i, std::size_t j, const Image& n, double) {
                            if (!((in_a[i] && in_b[j]) || (in_a[j] && in_b[i]))) return;
                            if (static_cast<double>(pairs.size()) >= most)
@@ -102,15 +103,16 @@ std::vector<Pair> pairs_within(const Model& model, const State& state, const Bon
                                const std::vector<char>& in_a, const std::vector<char>& in_b, double most,
                                const PerParticle<char>& some) {
   const bool by_size = reach.factor > 0.0;
+  const double of_points = reach.limit(0.0, 0.0);
   double R = 0.0;
   for (const double radius : model.radius) R = std::max(R, radius);
-  const Candidates near = candidates_near(model, state, some, reach(R, R));
+  const Candidates near = candidates_near(model, state, some, reach.limit(R, R));
   std::vector<double> sizes(near.r.size(), 0.0);
   for (std::size_t k = 0; by_size && k < sizes.size(); ++k) {
     const double radius = model.radius[near.of[k]];
-    sizes[k] = 0.5 * (reach(radius, radius) - reach.distance);
+    sizes[k] = 0.5 * (reach.limit(radius, radius) - of_points);
   }
-  SizedPoints points(sizes, reach.distance);
+  SizedPoints points(sizes, of_points);
   points.sort(near.r);
   std::vector<Pair> pairs;
   const auto look = [&](std::size_t p, std::size_t q) {
@@ -119,7 +121,7 @@ std::vector<Pair> pairs_within(const Model& model, const State& state, const Bon
     const bool is_found_elsewhere = q < near.particles ? j <= i : i > j || (i == j && n < Image{});
     if (is_found_elsewhere || !((in_a[i.value] && in_b[j.value]) || (in_a[j.value] && in_b[i.value]))) return;
     const double d2 = norm2(between(near.r[p], near.r[q]));
-    if (by_size ? d2 < sq(sizes[p] + sizes[q] + reach.distance) : d2 <= sq(reach.distance)) {
+    if (by_size ? d2 < sq(sizes[p] + sizes[q] + of_points) : d2 <= sq(of_points)) {
       if (static_cast<double>(pairs.size()) >= most) throw std::length_error("too many pairs");
       pairs.push_back({i, j, n});
     }

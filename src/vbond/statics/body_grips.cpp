@@ -20,6 +20,7 @@ void StaticBody::take_hold() {
     for (const ParticleId p : s.particles) grip.as_held.push_back({state_.r[p] - pivot, state_.q[p]});
     grips_.push_back(std::move(grip));
   }
+  set_turns_before(stage_.grip_turns_at_start);
 }
 
 void StaticBody::place(const Grip& g, const Vec3d& pivot, const Quatd& turn, State& state) {

@@ -228,8 +228,8 @@ bool any_bond_beyond_its_law(const State& s) {
 StaticOutcome find_critical_loads(const Model& model, const StaticStage& stage, State state,
                                   const StaticHooks& hooks) {
   return run_from_constant_loads(
-      model, stage, std::move(state), hooks, [&](State balanced, StaticResult& result) {
-        const StaticStage from = from_stress_found(model, stage, balanced);
+      model, stage, std::move(state), hooks,
+      [&](const StaticStage& from, State balanced, StaticResult& result) {
         if (!stage.waves.q.empty())
           return find_critical_waves(model, from, std::move(balanced), hooks, result);
         return CriticalLoads(model, from, std::move(balanced), hooks, result).run();

@@ -405,8 +405,8 @@ StaticOutcome find_equilibrium(const Model& model, const StaticStage& stage, Sta
   return outcome;
 }
 
-std::optional<State> balance_of_constant_loads(const Model& model, const StaticStage& stage, State state,
-                                               const StaticHooks& hooks, StaticResult& result) {
+std::optional<Balanced> balance_of_constant_loads(const Model& model, const StaticStage& stage, State state,
+                                                  const StaticHooks& hooks, StaticResult& result) {
   StaticStage constant = stage;
   const Clock clock = state.clock;  // this balance is not a point of the stage
   constant.at_saddle = AtSaddle::keep;
@@ -442,8 +442,9 @@ std::optional<State> balance_of_constant_loads(const Model& model, const StaticS
     result.iterations += own.iterations;
     if (own.ended == "interrupted") return std::nullopt;
   }
-  State balanced = std::move(body).take_state();
-  balanced.clock = clock;
+  Balanced balanced{{}, body.turns_of_grips()};
+  balanced.state = std::move(body).take_state();
+  balanced.state.clock = clock;
   return balanced;
 }
 

@@ -436,13 +436,13 @@ StaticOutcome break_at_rest(const Model& model, const StaticStage& stage, State 
   if (then) {
     StaticStage from = stage;
     from.cell_stress_at_start = then->numbers.cell_stress_at_start;
-    return run_from_balance(stage, std::move(state), then->found, [&](State now, StaticResult& result) {
-      return Fracture(model, from, std::move(now), *then, hooks, result).run();
-    });
+    return run_from_balance(from, std::move(state), then->found,
+                            [&](const StaticStage& as, State now, StaticResult& result) {
+                              return Fracture(model, as, std::move(now), *then, hooks, result).run();
+                            });
   }
   return run_from_constant_loads(model, stage, std::move(state), hooks,
-                                 [&](State balanced, StaticResult& result) {
-                                   const StaticStage from = from_stress_found(model, stage, balanced);
+                                 [&](const StaticStage& from, State balanced, StaticResult& result) {
                                    return Fracture(model, from, std::move(balanced), hooks, result).run();
                                  });
 }

@@ -159,10 +159,11 @@ StaticStage without_floating_held(StaticStage stage) {
   return stage;
 }
 
-StaticStage from_stress_found(const Model& model, const StaticStage& stage, const State& balanced) {
+StaticStage stage_from(const Model& model, const StaticStage& stage, const Balanced& balanced) {
   StaticStage from = stage;
+  from.grip_turns_at_start = balanced.grip_turns;
   if (stage.cell.any_stress()) {
-    State still = balanced;
+    State still = balanced.state;
     still.v.assign(still.r.size(), {});
     for (CellEdge& e : still.cell) e = {.along = e.along};
     from.cell_stress_at_start = symmetric_part(cell_stress(model, still));
@@ -303,9 +304,10 @@ StaticOutcome run_from_constant_loads(const Model& model, const StaticStage& sta
                                       const StaticHooks& hooks, const RunFromBalance& run) {
   StaticResult result;
   try {
-    std::optional<State> balanced = balance_of_constant_loads(model, stage, state, hooks, result);
+    std::optional<Balanced> balanced = balance_of_constant_loads(model, stage, state, hooks, result);
     if (!balanced) return interrupted_outcome(std::move(result), std::move(state));
-    State end = run(std::move(*balanced), result);
+    const StaticStage from = stage_from(model, stage, *balanced);
+    State end = run(from, std::move(balanced->state), result);
     return {std::move(result), std::move(end)};
   } catch (...) {
     throw StaticStageFailed(current_failure(stage), std::move(result));
@@ -315,7 +317,7 @@ StaticOutcome run_from_constant_loads(const Model& model, const StaticStage& sta
 StaticOutcome run_from_balance(const StaticStage& stage, State balanced, StaticResult found,
                                const RunFromBalance& run) {
   try {
-    State end = run(std::move(balanced), found);
+    State end = run(stage, std::move(balanced), found);
     return {std::move(found), std::move(end)};
   } catch (...) {
     throw StaticStageFailed(current_failure(stage), std::move(found));

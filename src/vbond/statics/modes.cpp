@@ -274,10 +274,10 @@ StaticOutcome find_modes(const Model& model, const StaticStage& stage, State sta
                          const StaticHooks& hooks) {
   const StaticStage loaded = under_full_loads(stage);
   StaticResult result;
-  std::optional<State> balanced = balance_of_constant_loads(
+  std::optional<Balanced> balanced = balance_of_constant_loads(
       model, model.cell.any() ? with_floating_held(model, loaded, state, {}) : loaded, state, hooks, result);
   if (!balanced) return interrupted_outcome(std::move(result), std::move(state));
-  StaticBody body(model, loaded, std::move(*balanced));
+  StaticBody body(model, loaded, std::move(balanced->state));
   refuse_pressure_without_energy(body);
   refuse_kinks(body);
   if (body.has_moment_part() && hooks.tell)

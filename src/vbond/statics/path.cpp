@@ -265,8 +265,7 @@ void PathStage::give_up(const std::string& why) const {
 StaticOutcome follow_path(const Model& model, const StaticStage& stage, State state,
                           const StaticHooks& hooks) {
   return run_from_constant_loads(model, stage, std::move(state), hooks,
-                                 [&](State balanced, StaticResult& result) {
-                                   const StaticStage from = from_stress_found(model, stage, balanced);
+                                 [&](const StaticStage& from, State balanced, StaticResult& result) {
                                    return PathStage(model, from, std::move(balanced), hooks, result).run();
                                  });
 }

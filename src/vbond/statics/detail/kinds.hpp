@@ -19,8 +19,12 @@ StaticOutcome find_equilibrium(const Model& model, const StaticStage& stage, Sta
 
 /// The body under the stage's constant loads only, its supports where they are, brought to balance: where
 /// path, buckling and modes begin. Adds to result.iterations. Nothing if interrupted. Throws NoEquilibrium.
-std::optional<State> balance_of_constant_loads(const Model& model, const StaticStage& stage, State state,
-                                               const StaticHooks& hooks, StaticResult& result);
+struct Balanced {
+  State state;
+  std::vector<Quatd> grip_turns;  ///< how grips have turned on the way there
+};
+std::optional<Balanced> balance_of_constant_loads(const Model& model, const StaticStage& stage, State state,
+                                                  const StaticHooks& hooks, StaticResult& result);
 
 // In path.cpp:
 /// Follows the balance with the load factor by its arc-length, through limit points and, if asked for, off
@@ -94,9 +98,9 @@ Support support_of(const HeldPart& part);
 /// The stage without what with_floating_held() has added.
 StaticStage without_floating_held(StaticStage stage);
 
-/// The stage with the stress that a body in balance has, from which components of its cell that give way go
-/// on.
-StaticStage from_stress_found(const Model& model, const StaticStage& stage, const State& balanced);
+/// The stage with what a body in balance begins it with: its stress, from which components of its cell that
+/// give way go on, and how its grips have turned.
+StaticStage stage_from(const Model& model, const StaticStage& stage, const Balanced& balanced);
 
 /// Tells the user something about this stage, if anybody listens.
 void tell(const StaticStage& stage, const StaticHooks& hooks, const std::string& text);
@@ -120,8 +124,9 @@ void note_free_turns(const StaticBody& body, const StaticHooks& hooks, StaticRes
 void report_point(StaticBody& body, PointKind kind, std::optional<int> unstable, const StaticHooks& hooks,
                   StaticResult& result);
 
-/// What a stage does that begins at a balance; returns the state it leaves.
-using RunFromBalance = std::function<State(State balanced, StaticResult& result)>;
+/// What a stage does that begins at a balance; returns the state it leaves. The stage is that of
+/// stage_from().
+using RunFromBalance = std::function<State(const StaticStage& from, State balanced, StaticResult& result)>;
 
 /// The exception that is being handled as NoEquilibrium of this stage: that itself, a solver that does not
 /// converge, memory that ran out. Throws any other on. To be called in a catch block.
