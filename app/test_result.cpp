@@ -39,6 +39,11 @@ const char* strength_name(Kind kind) {
   return "";
 }
 
+/// The same where a note says that it is not that strength.
+const char* peak_name(Kind kind, bool in_doubt) {
+  return in_doubt ? "2 P/(pi D L) at the peak" : strength_name(kind);
+}
+
 /// "12.3 Pa"; in reduced units the number alone.
 class Units {
  public:
@@ -118,9 +123,9 @@ void print_result(const labtest::MadeTest& t, const labtest::TestResult& r, Unit
                            "xyz"[t.third], *r.nu_third));
   if (r.toughness) print_toughness(*r.toughness, u);
   if (r.peak) {
-    line(t.notch ? "stress of a whole section" : strength_name(kind),
-         fmt::format("{}   at a strain of {:.6g}, a force of {}", u.stress(r.peak->stress), r.peak->strain,
-                     u.force(r.peak->force)));
+    line(t.notch ? "stress of a whole section" : peak_name(kind, r.peak_in_doubt),
+         fmt::format("{}   at a strain of {:.6g}, a force of {}{}", u.stress(r.peak->stress), r.peak->strain,
+                     u.force(r.peak->force), r.peak_in_doubt ? ": no tensile strength, see the notes" : ""));
   } else if (t.breaks) {
     line("largest stress", fmt::format("{}   at a strain of {:.6g}: no strength, see the notes",
                                        u.stress(r.largest.stress), r.largest.strain + 0.0));

@@ -94,6 +94,18 @@ def test_disc_splits_along_its_diameter(work):
     assert r["first_break_at"]["mode"] == "tension" and r["largest"]["stress"] > 1.3 * r["strength"]
     assert any("its parts are pressed on" in note for note in r["notes"])
     said.expect(out=["Brazilian tensile strength", "splitting", "platens hold the disc over"])
+    assert not any("no tensile strength" in note for note in r["notes"])
+
+
+def test_the_peak_of_a_disc_that_cracks_before_it_is_no_strength(work):
+    # Strengths of Weibull's modulus 2: bonds break all over the disc from a third of the peak on, and it bears on.
+    text = DISC.replace("torque = 1}", "torque = 1, weibull = {modulus = 2, seed = 1}}")
+    said, r = test_case("brazilian", text, "--axis", "y", "--drop", "0.3", folder="cracked")
+    assert r["strength"] == r["peak"]["stress"] > 2 * r["first_break"]["stress"]
+    note = next(note for note in r["notes"] if "the peak is no tensile strength" in note)
+    assert "come below 0.8 of it, the first at" in note and "its largest fragment has" in note
+    said.expect(out=["2 P/(pi D L) at the peak", ": no tensile strength, see the notes"])
+    assert "Brazilian tensile strength" not in said.out
 
 
 def cylinder(n, radius, more=""):

@@ -53,12 +53,10 @@ void find_moduli(const MadeTest& test, const std::vector<const Row*>& rows, Test
 
 /// Tells where E and nu are those of a body that has cracked already.
 bool tell_cracks_behind(const std::vector<Row>& rows, const Row& last, std::size_t peak, TestResult& result) {
-  constexpr double many = 0.05;
-  const auto broken = [&rows](const Row& r) { return r.broken - rows.front().broken; };
-  const double part =
-      static_cast<double>(broken(last)) / static_cast<double>(std::max<std::int64_t>(1, broken(rows[peak])));
-  if (part <= many) return false;
-  const auto first = std::find_if(rows.begin(), rows.end(), [&](const Row& r) { return broken(r) > 0; });
+  const double part = share_broken(rows, last, peak);
+  if (part <= many_early) return false;
+  const auto first =
+      std::find_if(rows.begin(), rows.end(), [&](const Row& r) { return r.broken > rows.front().broken; });
   result.notes.push_back(fmt::format(
       "E and nu are slopes of a body that cracks: {:.2g} of the breaks before the peak come before half of "
       "it; "

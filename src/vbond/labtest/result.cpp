@@ -173,6 +173,28 @@ void tell_inertia(const MadeTest& test, TestResult& result) {
       0.1 * test.rate));
 }
 
+/// A disc that splits by tension does so at once. One that bears on while bonds break has a peak of its ends
+/// and wedges.
+void tell_peak_of_disc(const std::vector<Row>& rows, std::size_t begin, std::size_t peak,
+                       TestResult& result) {
+  constexpr double well_below = 0.8;  // of the peak
+  const bool splits = row_of_splitting(rows, begin).has_value();
+  const auto reaches = [&](const Row& r) { return r.at.stress >= well_below * rows[peak].at.stress; };
+  const auto first = rows.begin() + static_cast<std::ptrdiff_t>(begin);
+  const auto there = std::find_if(first, rows.end(), reaches);  // the peak at the latest
+  const double part = share_broken(rows, there == first ? *there : *std::prev(there), peak);
+  result.peak_in_doubt = !splits || part > many_early;
+  if (!result.peak_in_doubt) return;
+  std::string why = "the peak is no tensile strength: a disc that splits by tension does so at once";
+  if (part > many_early)
+    why += fmt::format("; {:.2g} of the {} breaks before it come below {} of it, the first at {:.7g}", part,
+                       result.breaks_before_peak, well_below, result.first_break->stress);
+  if (!splits) why += "; here no break takes a tenth of its load";
+  if (result.largest_fragment)
+    why += fmt::format("; at the end its largest fragment has {:.3g} of the mass", *result.largest_fragment);
+  result.notes.push_back(why + "; the first break is nearer to it, and vbond test tension tells it");
+}
+
 /// What the body bears before the test, if it is much.
 void tell_stress_before(const MadeTest& test, TestResult& result) {
   if (!test.request.at_rest || test.confinement) return;  // the pressure's part is known
@@ -247,6 +269,7 @@ TestResult result_of(const MadeTest& test, const std::filesystem::path& folder) 
       result.peak.reset();
       tell_no_peak(result, "the first break is at a platen, not in the middle: it has no tensile strength");
     }
+    if (result.peak) tell_peak_of_disc(rows, begin, peak, result);
   }
   return result;
 }

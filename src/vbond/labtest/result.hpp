@@ -70,6 +70,7 @@ struct TestResult {
   std::optional<Toughness> toughness;  ///< bend3 with a notch
   std::string ended;                   ///< how the last stage ended, as in run.json
   std::string no_peak;                 ///< why there is none, which is one of the notes; empty: there is
+  bool peak_in_doubt = false;          ///< of a disc: the peak is no tensile strength; notes say why
   std::vector<std::string> notes;      ///< what is to be known, a line each
 };
 

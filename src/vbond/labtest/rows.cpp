@@ -41,6 +41,11 @@ std::size_t begin_of(const MadeTest& test, const std::vector<Row>& rows) {
   return k;
 }
 
+double share_broken(const std::vector<Row>& rows, const Row& row, std::size_t peak) {
+  const auto broken = [&rows](const Row& r) { return static_cast<double>(r.broken - rows.front().broken); };
+  return broken(row) / std::max(1.0, broken(rows[peak]));
+}
+
 std::vector<Row> read_rows(const MadeTest& test, const std::filesystem::path& file) {
   Table table(file);
   const std::string k(1, "xyz"[test.direction]);

@@ -27,4 +27,9 @@ std::vector<Row> read_rows(const MadeTest& test, const std::filesystem::path& fi
 /// The first row of the test itself: at rest and under pressure the last one of the stage before it.
 std::size_t begin_of(const MadeTest& test, const std::vector<Row>& rows);
 
+/// The part of the breaks before the peak that there are by this row. 0 without breaks.
+double share_broken(const std::vector<Row>& rows, const Row& row, std::size_t peak);
+/// So many of them, long before it, are more than a few bonds that are weaker than the others.
+inline constexpr double many_early = 0.05;
+
 }  // namespace vbond::labtest
