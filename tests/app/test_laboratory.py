@@ -147,6 +147,19 @@ def test_ends_that_cover_little(work):
     assert any("the upper end covers 0.5 x 0.5" in note for note in r["notes"])
 
 
+def test_a_box_that_the_body_does_not_fill(work):
+    # Four particles at a corner are missing: those left are at least sqrt(4.75) = 2.18 away from it, and the mean distance is 1.
+    bar = BAR.replace("cells = [4, 4, 10]", "cells = [6, 6, 12]").replace("strength", "# strength")
+    corner = "\ncut = [{sphere = {centre = [-0.5, -0.5, -0.5], radius = 2}}]"
+    for folder, kind, more, told in (("corner", "tension", [], True), ("pressed_corner", "compression", [], True),
+                                     ("given_corner", "tension", ["--area", "36"], False)):
+        _, r = test_case(kind, bar.replace("[6, 6, 12]", "[6, 6, 12]" + corner), *more, folder=folder)
+        notes = [note for note in r["notes"] if "does not fill the box around it" in note]
+        assert len(notes) == told and all("--area" in note and "box 6 x 6" in note for note in notes)
+    _, r = test_case("tension", bar, folder="no_corner")
+    assert not any("fill the box" in note for note in r["notes"])
+
+
 def test_stress_before_the_test_is_told(work):
     _, r = test_case("tension", BAR.replace("[[stage]]", "prestrain = 5e-4\n[[stage]]"), folder="before")
     assert near(r["stress_before"], 5e-4, 1e-3) and any("bears a stress of 0.00049975 between" in note for note in r["notes"])

@@ -389,11 +389,11 @@ MadeTest make_test(const Body& body, const Request& request) {
                                                     : test_between_ends(body, request);
   if (body.beyond != 0.0)
     test.notes.push_back(fmt::format(
-        "all bonds are {} than the radii of their particles: faces of the body are taken {:.6g} {} than "
-        "radii reach, half of the {}",
+        "all bonds are {} than the radii of their particles: faces are taken {:.6g} {}, half of the {}",
         body.beyond > 0.0 ? "longer" : "shorter", std::abs(body.beyond),
         body.beyond > 0.0 ? "farther out" : "farther in", body.beyond > 0.0 ? "least gap" : "least overlap"));
-  if (test.section && !test.section->note.empty()) test.notes.push_back(test.section->note);
+  if (test.section)
+    test.notes.insert(test.notes.end(), test.section->notes.begin(), test.section->notes.end());
   return test;
 }
 

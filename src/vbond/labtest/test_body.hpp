@@ -52,8 +52,8 @@ struct Section {
   SectionShape shape = SectionShape::box;
   double area = 0;                 ///< [length^2]
   std::array<double, 2> extent{};  ///< across and along the third direction; of a circle its diameter twice
-  std::string note = {};           ///< what is to be known of it; empty: nothing
-  std::string text() const;        ///< "box 4 x 4"
+  std::vector<std::string> notes = {};  ///< what is to be known of it, a line each
+  std::string text() const;             ///< "box 4 x 4"
 };
 /// Throws CaseError if it is neither a box nor a circle, not all along the body, or hollow, and no area is
 /// given.

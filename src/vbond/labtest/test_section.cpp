@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "vbond/labtest/test_body.hpp"
+#include "vbond/model/filled_box.hpp"
 
 namespace vbond::labtest {
 namespace {
@@ -169,10 +170,22 @@ void require_all_along(const Body& body, const Request& request, Section& sectio
     share += u * v / (whole_u * whole_v) / static_cast<double>(slices.size());
   }
   if (share < 0.95)
-    section.note = fmt::format(
+    section.notes.push_back(fmt::format(
         "the body is rough or not quite along {}: slices two spacings thick fill {:.3g} of the section {} on "
         "average, stresses are too small by so much; give --area where you know it",
-        name_of_axis(body.axis), share, section.text());
+        name_of_axis(body.axis), share, section.text()));
+}
+
+/// As homogenise looks at it, which refuses what does not.
+void tell_box_not_filled(const Body& body, const Request& request, const std::vector<ParticleId>& all,
+                         Section& section) {
+  if (section.shape != SectionShape::box) return;
+  const auto why = why_box_not_filled(body.model, body.state, body.box, all);
+  if (!why) return;
+  section.notes.push_back(
+      fmt::format("{}; the section is that of this box, {}: its area may be too large, and stresses and "
+                  "moduli too small; {}",
+                  *why, section.text(), way_out(request, "cut off what sticks out")));
 }
 
 }  // namespace
@@ -211,15 +224,17 @@ Section section_of(const Body& body, const Request& request) {
     const double D = round.diameter;
     section = {SectionShape::circle, 0.25 * std::numbers::pi * D * D, {D, D}};
     if (round.largest - round.least > 0.05 * D)
-      section.note = fmt::format(
+      section.notes.push_back(fmt::format(
           "the circle has steps: it is between {:.6g} and {:.6g} across, and its area is known to some "
           "{:.2g} "
           "of itself{}",
           round.least, round.largest, (round.largest - round.least) / D,
-          request.kind == Kind::bend3 || request.kind == Kind::brazilian ? ""
-                                                                         : "; give --area where you know it");
+          request.kind == Kind::bend3 || request.kind == Kind::brazilian
+              ? ""
+              : "; give --area where you know it"));
   }
   require_all_along(body, request, section);
+  tell_box_not_filled(body, request, all, section);
   return section;
 }
 

@@ -13,6 +13,7 @@
 
 #include "vbond/core/bounding_box.hpp"
 #include "vbond/core/tensor.hpp"
+#include "vbond/model/filled_box.hpp"
 #include "vbond/model/periodic_cell.hpp"
 #include "vbond/statics/detail/homogenising.hpp"
 #include "vbond/statics/detail/kinds.hpp"
@@ -44,10 +45,6 @@ BoundingBox box_of_part(const Model& model, const State& state, const std::vecto
   BoundingBox box;
   for (const ParticleId p : particles) box.add(state.r[p], model.radius[p]);
   return box;
-}
-double box_volume(const BoundingBox& box) {
-  const Vec3d size = box.high - box.low;
-  return size.x * size.y * size.z;
 }
 
 /// sum A (x) x.
@@ -83,43 +80,6 @@ void close_surface(const State& state, BodySurface& s) {
     const Vec3d y = state.r[s.particles[k]] - mean;
     for (int i = 0; i < 3; ++i) component(s.areas[k], i) += B(i, 0) * y.x + B(i, 1) * y.y + B(i, 2) * y.z;
   }
-}
-
-/// The mean distance of particles: the side of a cube with as much volume as each has in the box.
-double mean_distance(const BoundingBox& box, const std::vector<ParticleId>& part) {
-  return std::cbrt(box_volume(box) / static_cast<double>(part.size()));
-}
-
-/// From the corners of a box filled with particles the nearest one is some mean distance of particles away:
-/// twice that is little. From a ball it is a third of the side.
-void check_corners(const State& state, const BoundingBox& box, const std::vector<ParticleId>& part) {
-  const double far = 2.0 * mean_distance(box, part);
-  for (const double x : {box.low.x, box.high.x})
-    for (const double y : {box.low.y, box.high.y})
-      for (const double z : {box.low.z, box.high.z}) {
-        const auto near = [&](ParticleId p) { return norm(between(Vec3d{x, y, z}, state.r[p])) <= far; };
-        require_material(
-            std::any_of(part.begin(), part.end(), near),
-            fmt::format(
-                "the body does not fill the box around it: its corner ({:.6g}, {:.6g}, {:.6g}) is more "
-                "than {:.3g} away from all particles. Name those of its surface as a group, and give "
-                "the volume",
-                x, y, z, far));
-      }
-}
-
-/// A layer of the body has a particle for each square of their mean distance. With less than a third of that
-/// the box ends at some that stick out.
-void check_face(const std::vector<ParticleId>& face, double area, double distance, int axis, double side) {
-  const double expected = area / sq(distance);
-  require_material(
-      3.0 * static_cast<double>(face.size()) >= expected,
-      fmt::format(
-          "the face of the box on the side of {}{} has {} particles, particle {} among them, where {:.0f} "
-          "would "
-          "fill it: take off what sticks out, or name the particles of the surface as a group, and give the "
-          "volume",
-          side < 0.0 ? '-' : '+', "xyz"[axis], face.size(), face.front().value, expected));
 }
 
 void check_closed(const State& state, const BodySurface& s) {
@@ -250,32 +210,28 @@ Constants StrainedBody::by_traction(std::string& solver_name) const {
 }  // namespace
 
 double volume_of_box(const Model& model, const State& state) {
-  return box_volume(box_of_part(model, state, largest_part(model, state)));
+  return volume_of(box_of_part(model, state, largest_part(model, state)));
 }
 
 BodySurface surface_of_box(const Model& model, const State& state, std::optional<double> volume) {
   const std::vector<ParticleId> part = largest_part(model, state);
   const BoundingBox box = box_of_part(model, state, part);
   const Vec3d size = box.high - box.low;
-  check_corners(state, box, part);
-  const double distance = mean_distance(box, part);
+  const std::optional<std::string> why = why_box_not_filled(model, state, box, part);
+  require_material(!why, why.value_or("") +
+                             ". Take off what sticks out, or name the particles of the surface as a group, "
+                             "and give the volume");
   PerParticle<Vec3d> areas(model.particles());
   PerParticle<char> outer(model.particles(), 0);
   for (int axis = 0; axis < 3; ++axis)
     for (const double side : {-1.0, 1.0}) {
-      const double end = component(side < 0.0 ? box.low : box.high, axis);
-      std::vector<ParticleId> face;
-      for (const ParticleId p : part)
-        if (side * (end - component(state.r[p], axis)) <=
-            std::max(2.0 * model.radius[p], distance) + 1e-9 * component(size, axis))
-          face.push_back(p);
+      const std::vector<ParticleId> face = face_of_box(model, state, box, part, axis, side);
       const double area = component(size, (axis + 1) % 3) * component(size, (axis + 2) % 3);
-      check_face(face, area, distance, axis, side);
       for (const ParticleId p : face)
         component(areas[p], axis) += side * area / static_cast<double>(face.size()), outer[p] = 1;
     }
   BodySurface s;
-  s.volume = volume.value_or(box_volume(box));
+  s.volume = volume.value_or(volume_of(box));
   for (const ParticleId p : part)
     if (outer[p] != 0) s.particles.push_back(p), s.areas.push_back(areas[p]);
   const DenseMatrix found = area_moment(state, s);
