@@ -133,6 +133,11 @@ def test_loads_of_breaks_at_rest_are_forces_of_supports(work):
     told = read("row_alone")
     assert table("row_alone/breaks.csv")[0]["load"] is None and told["broken"] == 1
     assert "first_break_load" not in told and "peak_load" not in told
+    # `time` says nothing of a break at rest
+    step = int(table("row_alone/breaks.csv")[0]["step"])
+    vbond("breaks row_alone", out="broke at load factor 1 in ")
+    Path("row_alone/fracture.csv").unlink()
+    vbond("breaks row_alone", out=f"broke at point {step} in ")
 
 
 def test_a_cantilever_is_bent_and_let_go(whole):

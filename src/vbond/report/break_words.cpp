@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <limits>
+#include <system_error>
+#include <utility>
 
 #include "vbond/observe/csv.hpp"
 #include "vbond/observe/quantities.hpp"
@@ -60,6 +62,13 @@ std::string mode_in_words(const std::string& mode) {
   return mode == "other" ? "by its own law" : "in " + mode;
 }
 
+/// Of a static stage time says nothing.
+std::string when_in_words(const BreakTold& b, bool si) {
+  if (b.load_factor) return fmt::format("load factor {:.6g}", *b.load_factor);
+  if (b.at_rest) return fmt::format("point {}", b.step);
+  return fmt::format("t = {:.6g}{}", b.time, si ? " s" : "");
+}
+
 /// The row that was read.
 BreakTold told_row(const CsvReader& in) {
   const auto cell = [&](const char* name) -> const std::string& { return in.cells()[in.place(name)]; };
@@ -76,6 +85,8 @@ BreakTold told_row(const CsvReader& in) {
   return {.bond = whole("bond"),
           .i = whole("i"),
           .j = whole("j"),
+          .stage = whole("stage"),
+          .step = whole("step"),
           .time = number("time"),
           .criterion = csv_plain(cell("criterion")),
           .mode = csv_plain(cell("mode")),
@@ -99,6 +110,29 @@ BreaksTold read_breaks(const std::filesystem::path& path, std::size_t most) {
     if (told.first.size() < most) told.first.push_back(std::move(row));
   }
   return told;
+}
+
+void find_load_factors(BreaksTold& told, const Case& c, const std::filesystem::path& folder) {
+  const auto stage_of = [&c](const BreakTold& b) -> const StageSpec* {
+    const auto k = static_cast<std::size_t>(b.stage);
+    return k < c.stages.size() && is_static(c.stages[k].kind) ? &c.stages[k] : nullptr;
+  };
+  for (BreakTold& b : told.first) b.at_rest = stage_of(b) != nullptr;
+  const std::filesystem::path table = folder / "fracture.csv";
+  std::error_code e;
+  if (!std::filesystem::exists(table, e)) return;
+  std::map<std::pair<std::string, std::int64_t>, double> factors;  // of a stage and a bond, which breaks once
+  CsvReader in(table);
+  while (in.next()) {
+    const auto bond = csv_number<std::int64_t>(in.cells()[in.place("bond")]);
+    const auto factor = csv_number<double>(in.cells()[in.place("load_factor")]);
+    if (!bond || !factor) in.refuse();
+    factors[{csv_plain(in.cells()[in.place("stage")]), *bond}] = *factor;
+  }
+  for (BreakTold& b : told.first)
+    if (const StageSpec* stage = stage_of(b))
+      if (const auto at = factors.find({stage->name, b.bond}); at != factors.end())
+        b.load_factor = at->second;
 }
 
 BreakMode break_mode(const std::string& name) {
@@ -125,8 +159,8 @@ std::string cause_in_words(const BreakTold& b, UnitSystem units) {
 
 std::string in_words(const BreakTold& b, UnitSystem units) {
   const bool si = units == UnitSystem::si;
-  return fmt::format("bond {} (particles {}, {}) broke at t = {:.6g}{} {}: {}; it held {:.4g}{}", b.bond, b.i,
-                     b.j, b.time, si ? " s" : "", mode_in_words(b.mode), cause_in_words(b, units), b.energy,
+  return fmt::format("bond {} (particles {}, {}) broke at {} {}: {}; it held {:.4g}{}", b.bond, b.i, b.j,
+                     when_in_words(b, si), mode_in_words(b.mode), cause_in_words(b, units), b.energy,
                      si ? " J" : "");
 }
 
