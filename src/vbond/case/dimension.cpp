@@ -72,6 +72,13 @@ std::string_view trim(std::string_view s) {
 }
 
 UnitMistake no_such_unit(std::string_view name) {
+  for (const char* of_temperature : {"K", "C", "degC",
+                                     "\xC2\xB0"
+                                     "C",
+                                     "\xE2\x84\x83", "kelvin", "celsius"})
+    if (name == of_temperature)
+      return {"\"" + std::string(name) + "\" is not a unit: temperatures have none here",
+              "write bare numbers in degrees of one kind, as in change = 15 and expansion = 1.2e-5"};
   return {"\"" + std::string(name) + "\" is not a unit",
           "units are m, g, s, N, Pa, J, W, Hz, eV with SI prefixes, and rad, deg, rev, min, h, angstrom, %; "
           "join them "

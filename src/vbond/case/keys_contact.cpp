@@ -39,7 +39,7 @@ void describe(Table& t, MaterialSpec& m) {
   t.locate(m.place);
   t.key("name", m.name, NameCodec{}, required, "by which specimens and walls name it");
   t.key("E", m.E, positive(stress), required, "Young's modulus");
-  t.key("nu", m.nu, NumberCodec{pure, {-1, 0.5, true, false}}, required, "Poisson's ratio");
+  t.key("nu", m.nu, poisson_ratio({-1, 0.5, true, false}), required, "Poisson's ratio");
   const char* const rule = "that of [contact]";
   describe(t, m.surface, rule, rule, rule);
 }
@@ -68,8 +68,8 @@ void describe(Table& t, ContactModel& c, std::vector<ContactPairSpec>& between, 
     if (c.E > 0.0) E = c.E, nu = c.nu;
     t.key("E", E, positive(stress), default_is("those of [[material]], else required"),
           "Young's modulus of the particles");
-    t.key("nu", nu, NumberCodec{pure, {-1, 0.5, true, false}},
-          default_is("those of [[material]], else required"), "Poisson's ratio of the particles");
+    t.key("nu", nu, poisson_ratio({-1, 0.5, true, false}), default_is("those of [[material]], else required"),
+          "Poisson's ratio of the particles");
     t.check(materials || (E && nu), {"law", "E", "nu"}, "E and nu are required: the case has no [[material]]",
             "add them here, or as [[material]] of specimens and walls");
     t.check(!materials || (!E && !nu), {"E", "nu"}, "E and nu stand with [[material]] in this case",

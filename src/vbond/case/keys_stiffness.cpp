@@ -192,7 +192,7 @@ void describe(Table& t, TheoryParameters& p) {
   const bool is_parallel = p.theory == BondTheory::parallel;
   t.when(!is_parallel, "theory = \"bernoulli-euler\", \"timoshenko\", \"short-cylinder\" or \"shell\"", [&] {
     t.key("E", p.material.E, positive(stress), required, "Young's modulus");
-    t.key("nu", p.material.nu, NumberCodec{pure, any_number}, required,
+    t.key("nu", p.material.nu, poisson_ratio(any_number), required,
           "Poisson's ratio, > -1 and <= 0.5 (short-cylinder: < 0.5, shell: < 1/3)");
     check_poisson(t, p);
   });

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "vbond/core/nearest.hpp"
+#include "vbond/case/other_place.hpp"
 
 namespace vbond::keys {
 Reader::Reader(const NodeTable& members, ReadContext& context, std::string path, SourcePlace header)
@@ -13,6 +13,13 @@ const Member* Reader::find(const std::string& name) const {
   const auto found =
       std::find_if(members_.begin(), members_.end(), [&](const Member& m) { return m.key == name; });
   return found == members_.end() ? nullptr : &*found;
+}
+
+/// What the key means, where its text goes on from its name.
+std::string with_noun(const KeyInfo& key) {
+  const std::string_view doc = key.doc;
+  const bool goes_on = doc.starts_with("of ") || doc.starts_with("that ");
+  return (goes_on ? std::string(key.name) + " " : "") + key.doc;
 }
 
 /// The member that a key asks for; nothing, which is noted if it had to be there.
@@ -29,10 +36,10 @@ const Member* Reader::take(const KeyInfo& key, const std::string& way_out) {
                       (key.need.when == Need::When::in_si && in_.units == UnitSystem::si);
   if (!m && needed) {
     failed_.insert(key.name);
-    missing_[key.name] = {
-        header_, path_of(key.name) + " is missing",
-        std::string("is required") + (key.need.when == Need::When::in_si ? " in SI units: " : ": ") + key.doc,
-        way_out};
+    missing_[key.name] = {header_, path_of(key.name) + " is missing",
+                          std::string("is required") +
+                              (key.need.when == Need::When::in_si ? " in SI units: " : ": ") + with_noun(key),
+                          way_out};
   }
   return m;
 }
@@ -126,11 +133,15 @@ std::size_t Reader::exactly_one(const std::vector<std::string>& names, std::size
     });
     at = place_of(*find(*later));
   }
-  in_.report(at,
-             (path_.empty() ? "" : path_ + ": ") + (present.empty() ? "none" : "both") + " of " +
-                 join(present.empty() ? names : present),
-             "exactly one of " + join(names) + " is required",
-             present.empty() ? "add one of them" : "keep one and remove the others");
+  const Problem problem{at,
+                        (path_.empty() ? "" : path_ + ": ") + (present.empty() ? "none" : "both") + " of " +
+                            join(present.empty() ? names : present),
+                        "exactly one of " + join(names) + " is required",
+                        present.empty() ? "add one of them" : "keep one and remove the others"};
+  if (present.empty())
+    absent_.emplace_back(names, problem);
+  else
+    in_.problems.add(problem);
   for (const std::string& name : names) failed_.insert(name);
   return names.size();
 }
@@ -174,6 +185,31 @@ void Reader::leave() {
   conditions_.pop_back();
 }
 
+/// A key that is not right here, and is meant for one of those of which none is there.
+bool Reader::is_meant_for_absent(const Member& m) {
+  for (auto choice = absent_.begin(); choice != absent_.end(); ++choice) {
+    const auto meant = meant_name(m.key, choice->first);
+    if (!meant) continue;
+    in_.report(place_of(m), path_of(m.key) + " = " + short_text(m.value),
+               "no such key here: " + choice->second.rule, "did you mean " + *meant + "?");
+    absent_.erase(choice);
+    return true;
+  }
+  return false;
+}
+
+void Reader::report_unknown(const Member& m, const std::vector<std::string>& names, bool shown) {
+  const std::string value = short_text(m.value), what = path_of(m.key) + " = " + value;
+  const auto meant = shown ? meant_name(m.key, names) : std::nullopt;
+  if (meant) {
+    missing_.erase(*meant);  // one report is enough for a slip of the pen
+    return in_.report(place_of(m), what, "no such key", "did you mean " + *meant + "?");
+  }
+  if (const auto other = shown ? other_place(path_, m.key, value) : std::nullopt)
+    return in_.report(place_of(m), what, other->rule, other->way_out);
+  in_.report(place_of(m), what, "no such key", shown ? "the keys here are " + join(names) : "");
+}
+
 void Reader::finish() {
   std::vector<std::string> names(known_.begin(), known_.end());
   for (const auto& [name, condition] : elsewhere_)
@@ -181,21 +217,14 @@ void Reader::finish() {
   std::size_t unknown = 0;
   for (const Member& m : members_) {
     if (known_.count(m.key) > 0 || refused_.count(m.key) > 0) continue;
-    const std::string what = path_of(m.key) + " = " + short_text(m.value);
-    if (const auto other = elsewhere_.find(m.key); other != elsewhere_.end()) {
-      if (!unsure_)
-        in_.report(place_of(m), what, "is used only with " + other->second,
-                   "remove it, or change what it belongs to");
-      continue;
-    }
-    const bool shown = ++unknown <= Problems::most_shown;
-    const auto meant = shown ? nearest_name(m.key, names) : std::nullopt;
-    if (meant) missing_.erase(*meant);  // one report is enough for a slip of the pen
-    in_.report(place_of(m), what, "no such key",
-               meant   ? "did you mean " + *meant + "?"
-               : shown ? "the keys here are " + join(names)
-                       : "");
+    if (is_meant_for_absent(m)) continue;
+    if (const auto other = elsewhere_.find(m.key); other == elsewhere_.end())
+      report_unknown(m, names, ++unknown <= Problems::most_shown);
+    else if (!unsure_)
+      in_.report(place_of(m), path_of(m.key) + " = " + short_text(m.value),
+                 "is used only with " + other->second, "remove it, or change what it belongs to");
   }
+  for (auto& [choice, problem] : absent_) in_.problems.add(std::move(problem));
   for (auto& [name, problem] : missing_) in_.problems.add(std::move(problem));
 }
 

@@ -39,6 +39,8 @@ class Reader final : public Table {
 
  private:
   const Member* find(const std::string& name) const;
+  bool is_meant_for_absent(const Member& m);
+  void report_unknown(const Member& m, const std::vector<std::string>& names, bool shown);
   const Member* take(const KeyInfo& key, const std::string& way_out);
   bool is_skipping() const { return inactive_ > 0; }
   std::string path_of(const std::string& name) const { return path_.empty() ? name : path_ + "." + name; }
@@ -56,6 +58,7 @@ class Reader final : public Table {
   std::map<std::string, std::string> elsewhere_;          ///< keys that need a condition: which
   std::set<std::string> failed_;                          ///< keys that could not be read or are missing
   std::map<std::string, Problem> missing_;                ///< what finish() will report of these
+  std::vector<std::pair<std::vector<std::string>, Problem>> absent_;  ///< of these keys none is there
   bool unsure_ = false;  ///< a choice could not be read: which keys are right is not known
 };
 

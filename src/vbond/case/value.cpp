@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "vbond/case/value_lists.hpp"
-#include "vbond/core/nearest.hpp"
 
 namespace vbond::keys {
 namespace {
@@ -150,6 +149,7 @@ std::string NumberCodec::type() const {
 }
 
 std::string NumberCodec::example(UnitSystem u) const {
+  if (*sample != '\0') return sample;
   if (u == UnitSystem::si && !(dimension == pure)) return toml_string(dimension.example);
   const double x = range.contains(1.0)         ? 1.0
                    : range.contains(range.max) ? range.max
@@ -264,7 +264,7 @@ bool read_word(const Node& n, ReadContext& in, const std::string& path, const st
   if (!s) return in.refuse_kind(n, path, "one of " + join(names, "\""), toml_string(names.front()));
   const auto found = std::find(names.begin(), names.end(), *s);
   if (found == names.end()) {
-    const auto meant = nearest_name(*s, names);
+    const auto meant = meant_name(*s, names);
     return in.refuse(n, path, "must be one of " + join(names, "\""),
                      !meant ? "choose one of these" : "did you mean \"" + *meant + "\"?");
   }

@@ -84,6 +84,7 @@ inline constexpr Range from_zero{0, largest_number, false, false};
 struct NumberCodec {
   Dimension dimension;
   Range range;
+  const char* sample = "";  ///< example that suits every rule of the key; empty: one within the range
   bool read(const Node& n, ReadContext& in, const std::string& path, double& out) const;
   std::string write(double x) const { return number_text(x); }
   std::string type() const;
@@ -98,6 +99,11 @@ constexpr NumberCodec positive(const Dimension& d) {
 }
 constexpr NumberCodec not_negative(const Dimension& d) {
   return {d, from_zero};
+}
+
+/// The sample suits every theory of bonds.
+constexpr NumberCodec poisson_ratio(const Range& r) {
+  return {pure, r, "0.25"};
 }
 
 /// A unit alone, as of a column of a file.

@@ -119,9 +119,15 @@ struct TupleCodec {
   }
   std::string type() const { return std::to_string(N) + " x " + element.type(); }
   std::string schema() const { return list_schema(element.schema(), N, N); }
+  /// Numbers from 0 on differ: they are those of particles.
+  std::string example_of(std::size_t k, UnitSystem u) const {
+    if constexpr (std::is_same_v<Codec, CountCodec>)
+      if (element.min == 0) return std::to_string(k);
+    return element.example(u);
+  }
   std::string example(UnitSystem u) const {
     std::string text = "[";
-    for (std::size_t k = 0; k < N; ++k) text += (k > 0 ? ", " : "") + element.example(u);
+    for (std::size_t k = 0; k < N; ++k) text += (k > 0 ? ", " : "") + example_of(k, u);
     return text + "]";
   }
 };
