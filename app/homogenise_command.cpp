@@ -83,22 +83,24 @@ void print_constants(const Constants& C) {
                row[5]);
 }
 
-void print_averages(const ElasticConstants& C) {
-  fmt::print("\nIsotropic  K              G              E              nu\n");
+void print_averages(const ElasticConstants& C, bool si) {
+  const auto title = [si](const char* name) { return name + std::string(si ? " [Pa]" : ""); };
+  fmt::print("\nIsotropic  {:<14} {:<14} {:<14} nu\n", title("K"), title("G"), title("E"));
   print_isotropic("Voigt", C.voigt());
   print_isotropic("Reuss", C.reuss());
   print_isotropic("Hill", C.hill());
   fmt::print("Anisotropy 5 G_V/G_R + K_V/K_R - 6 = {:.6g}\n", C.anisotropy());
 }
 
-void print_directions(const ElasticConstants& C, double density) {
+void print_directions(const ElasticConstants& C, double density, bool si) {
   const Directed least = C.least_youngs_modulus(), most = C.largest_youngs_modulus();
-  fmt::print("\nYoung's modulus  x {:.7g}   y {:.7g}   z {:.7g}\n", C.youngs_modulus(axes[0].second),
-             C.youngs_modulus(axes[1].second), C.youngs_modulus(axes[2].second));
+  fmt::print("\nYoung's modulus{}  x {:.7g}   y {:.7g}   z {:.7g}\n", si ? " [Pa]" : "",
+             C.youngs_modulus(axes[0].second), C.youngs_modulus(axes[1].second),
+             C.youngs_modulus(axes[2].second));
   for (const auto& [name, at] : {std::pair{"least", least}, std::pair{"largest", most}})
     fmt::print("  {:<14} {:.7g} along ({:.4f}, {:.4f}, {:.4f})\n", name, at.value, at.along.x, at.along.y,
                at.along.z);
-  fmt::print("Waves, two of shear and one of pressure where directions allow\n");
+  fmt::print("Waves{}, two of shear and one of pressure where directions allow\n", si ? " [m/s]" : "");
   for (const auto& [name, n] : axes) {
     const WaveSpeeds v = C.wave_speeds(n, density);
     fmt::print("  along {}        {:.6g}   {:.6g}   {:.6g}\n", name, v[0].value, v[1].value, v[2].value);
@@ -140,8 +142,8 @@ void print(const Homogenised& h, const ElasticConstants* C, bool si) {
   fmt::print("\nC{}: xx yy zz yz xz xy, engineering shear\n", si ? " [Pa]" : "");
   print_constants(h.C);
   if (C == nullptr) return;
-  print_averages(*C);
-  print_directions(*C, h.density);
+  print_averages(*C, si);
+  print_directions(*C, h.density, si);
 }
 
 std::string no_others(const std::string& why) {
@@ -283,7 +285,7 @@ void print(const HomogenisedBody& h, const std::string& volume_is, bool si) {
     print_constants(*C);
     std::string why;
     if (const auto known = constants_of(*C, why))
-      print_averages(*known);
+      print_averages(*known, si);
     else
       tell_of_others(why);
   }

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "vbond/core/printable.hpp"
 #include "vbond/model/contact_number.hpp"
@@ -100,6 +101,13 @@ std::string numbers_in_words(const Model& model, std::uint32_t first, std::uint3
   return words;
 }
 
+std::vector<bool> materials_of_particles(const Model& model) {
+  std::vector<bool> are(model.materials.size(), false);
+  if (!are.empty())
+    for (const ParticleId p : model.mass.ids()) are[model.material_of(p)] = true;
+  return are;
+}
+
 // ---- walls ------------------------------------------------------------------------------------------
 
 const char* in_words(WallSide side) {
@@ -157,12 +165,16 @@ void print_contact_law(const Model& model) {
   fmt::print("contact law      {}\n", law_in_words(c));
   const auto materials = static_cast<std::uint32_t>(model.materials.size());
   if (materials == 0) fmt::print("contact          {}\n", numbers_in_words(model, 0, 0));
-  const std::uint32_t pairs = materials * (materials + 1) / 2;
-  std::uint32_t printed = 0;
+  const std::vector<bool> of_particles = materials_of_particles(model);
+  std::uint32_t pairs = 0, printed = 0;
   for (std::uint32_t first = 0; first < materials; ++first)
-    for (std::uint32_t second = first; second < materials && printed < most_pairs; ++second, ++printed)
+    for (std::uint32_t second = first; second < materials; ++second) {
+      if (!of_particles[first] && !of_particles[second]) continue;  // walls do not touch each other
+      if (++pairs > most_pairs) continue;
+      ++printed;
       fmt::print("contact          {} with {}: {}\n", printable(model.materials[first].name),
                  printable(model.materials[second].name), numbers_in_words(model, first, second));
+    }
   if (printed < pairs) fmt::print("contact          and {} more pairs of materials\n", pairs - printed);
   if (can_make_energy(c.tangential))
     fmt::print(

@@ -139,7 +139,8 @@ void say_end(const Campaign& campaign, bool interrupted) {
   std::string text;
   for (const StageSummary& stage : s.stages)
     if (stage.critical_force)
-      text += fmt::format("critical force of stage \"{}\": {:.6g}\n", stage.name, *stage.critical_force);
+      text += fmt::format("peak force of stage \"{}\": {:.6g}{}\n", stage.name, *stage.critical_force,
+                          s.units == UnitSystem::si ? " N" : "");
   if (any_dynamics(s))
     text += fmt::format("largest error of the energy balance: {:.2g}\n", s.energy_balance_error);
   if (s.breaks && s.breaks->broken > 0)

@@ -50,6 +50,14 @@ def test_a_lattice_says_what_it_is(lattice):
     assert found["wave_speeds"]["x"][2] == pytest.approx((found["C"][0][0] / found["density"]) ** 0.5, rel=1e-12)
 
 
+def test_constants_in_si_have_units(lattice):
+    text = "[units]\nsystem = \"SI\"\n" + Path(lattice).read_text(encoding="utf-8").replace("radius = 0.5", "spacing = 1.0\nradius = 0.5")
+    Path("si.toml").write_text(text, encoding="utf-8")
+    said = ["K [Pa]         G [Pa]         E [Pa]         nu", "Young's modulus [Pa]  x ", "Waves [m/s], two of shear"]
+    vbond("homogenise si.toml", out=said)
+    vbond("homogenise", lattice, out="K              G              E              nu", no_out=["[Pa]", "[m/s]"])
+
+
 def test_bonds_are_calibrated_and_the_case_has_the_constants(lattice):
     wanted = constants(lattice, "--set", "bonds[0].stiffness_factors.c_D=0.5", "--set", "bonds[1].stiffness_factors.c_D=0.5")["hill"]
     said = vbond("calibrate", lattice, "--E", "10", "--nu", repr(wanted["nu"]), "--bending", "normal").out

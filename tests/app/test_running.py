@@ -164,3 +164,23 @@ def test_bodies_that_are_too_large_for_the_memory():
         vbond(command, rod, limits={resource.RLIMIT_AS: int(1054 * mebibytes) * 1024}, status=1,
               err=["memory has run out; there may be", "take fewer particles"])
     assert not Path("refused").exists()
+
+
+# A bond of 1 N/mm is pressed at 10 mm/s for 4 ms, and ever more slowly for half a millisecond: by 42.5 um.
+PEAK = """units = {system = "SI"}
+specimen = [{kind = "rod", particles = 2, spacing = "1 mm", radius = "0.3 mm", mass = "1 g"}]
+bonds = [{distance = "1.1 mm", stiffness = {c_A = 1e3, c_D = 30, c_B = 2e-3, c_T = 2e-3}}]
+[[stage]]
+name = "press"
+duration = "9 ms"
+supports = [{group = "first", fix = ["x", "y", "z"]},
+  {group = "last", fix = ["x", "y", "z"], velocity = [-0.01, 0, 0], table = [[0, 1.0], ["4 ms", 1.0], ["5 ms", -1.0]]}]
+stop = {peak = {quantity = "reaction", group = "first", direction = [1, 0, 0], drop = 0.5, average_over = "0.1 ms"}}
+"""
+
+
+def test_a_stage_that_ends_at_a_peak_tells_its_force():
+    write("peak.toml", PEAK)
+    said = vbond("run peak.toml -o peak", no_out="critical force").out
+    # the mean of a block of 0.1 ms, within which it falls short by 10 mm/s (0.1 ms)^2/(2 ms) at most
+    assert float(re.search(r'peak force of stage "press": (\S+) N\n', said)[1]) == pytest.approx(0.0425, rel=2e-3)

@@ -119,7 +119,8 @@ TEST(StaticReport, RigidAndUnstableModesHaveNoPeriod) {
   r.modes = {{1e-9, 1e-18, true, {}}, {0, -4, false, {}}, {2.0, 4.0, false, {}}};
   const std::string text = static_report(StageKind::modes, r, " s");
   EXPECT_FALSE(has(text, "load factor")) << text;  // all loads are on
-  EXPECT_TRUE(has(text, "period [s]")) << text;
+  EXPECT_TRUE(has(text, "omega [rad/s]   frequency [Hz]       period [s]\n")) << text;
+  EXPECT_TRUE(has(static_report(StageKind::modes, r, ""), "omega        frequency           period\n"));
   EXPECT_TRUE(has(text, "rigid\n")) << text;
   EXPECT_TRUE(has(text, "UNSTABLE  omega^2 = -4\n")) << text;
   EXPECT_TRUE(has(text, "0.31830989        3.1415927\n")) << text;  // 2 / (2 pi), and pi

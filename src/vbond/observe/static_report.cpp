@@ -121,8 +121,10 @@ std::string critical_loads(const StaticResult& r) {
 std::string frequencies(const StaticResult& r, const std::string& time_unit) {
   if (r.modes.empty()) return "no mode was found\n";
   int wave = 0;
-  std::string text = fmt::format("{:>6} {:>16} {:>16} {:>16}\n", "mode", "omega", "frequency",
-                                 time_unit.empty() ? "period" : "period [" + time_unit.substr(1) + "]");
+  const bool si = !time_unit.empty();
+  std::string text = fmt::format("{:>6} {:>16} {:>16} {:>16}\n", "mode", si ? "omega [rad/s]" : "omega",
+                                 si ? "frequency [Hz]" : "frequency",
+                                 si ? "period [" + time_unit.substr(1) + "]" : "period");
   for (std::size_t k = 0; k < r.modes.size(); ++k) {
     const NaturalMode& m = r.modes[k];
     if (m.wave != wave) {

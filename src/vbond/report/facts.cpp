@@ -227,7 +227,7 @@ Lines results_of(const RunSummary& summary) {
   for (const StageSummary& s : summary.stages) {
     if (s.statics) add_static_results(s, si, lines);
     if (s.critical_force)
-      lines.push_back({fmt::format("Critical force of stage \"{}\"", s.name),
+      lines.push_back({fmt::format("Peak force of stage \"{}\"", s.name),
                        fmt::format("{:.6g}{}, at t = {:.6g}{}", *s.critical_force, si ? " N" : "",
                                    s.peak_time.value_or(s.time), si ? " s" : "")});
   }

@@ -73,7 +73,9 @@ packing::Request request_of(const PackingSpecimen& s, double density, int thread
   return q;
 }
 
-void add_notes(const std::string& who, const packing::Packing& p, std::vector<std::string>& notes) {
+/// jammed: it was asked for. Else nothing holds the grains, and all rattle.
+void add_notes(const std::string& who, const packing::Packing& p, bool jammed,
+               std::vector<std::string>& notes) {
   const packing::Measured& is = p.is;
   std::string text = fmt::format("{}: {} grains with radii {:.6g} to {:.6g}, porosity {:.6g}", who,
                                  p.r.size(), is.least_radius, is.largest_radius, is.porosity);
@@ -86,9 +88,9 @@ void add_notes(const std::string& who, const packing::Packing& p, std::vector<st
   for (std::size_t k = 0; k < is.gaps.size(); ++k)
     text += fmt::format("{} {:.2f} within {}", k > 0 ? "," : "", is.neighbours[k], is.gaps[k]);
   notes.push_back(text + " of the sum of radii");
-  notes.push_back(
-      fmt::format("{}: {:.3f} contacts of a grain, {} rattlers, largest overlap {:.2g} of a radius", who,
-                  is.contacts, is.rattlers, std::max(is.largest_overlap, is.largest_wall_overlap)));
+  notes.push_back(fmt::format("{}: {:.3f} contacts of a grain{}, largest overlap {:.2g} of a radius", who,
+                              is.contacts, jammed ? fmt::format(", {} rattlers", is.rattlers) : "",
+                              std::max(is.largest_overlap, is.largest_wall_overlap)));
   if (is.cells)
     notes.push_back(
         fmt::format("{}: cells of {:.4g} to {:.4g} times their mean volume, with a porosity of {:.3f} to "
@@ -135,7 +137,7 @@ SpecimenPoints make_packing(const PackingSpecimen& s, const SpecimenSpec& spec, 
   for (std::size_t i = 0; i < p.r.size() && of_grains; ++i)
     points.mass.push_back(4.0 / 3.0 * std::numbers::pi * std::pow(p.radius[i], 3) *
                           request.kinds[p.kind[i]].density);
-  add_notes(fmt::format("packing \"{}\"", spec.name), p, points.notes);
+  add_notes(fmt::format("packing \"{}\"", spec.name), p, s.jammed, points.notes);
   points.packing = std::move(p);
   return points;
 }
