@@ -90,6 +90,46 @@ stiffness = {c_A = 1, c_D = 0.03, c_B = 0.0025, c_T = 0.002}
   EXPECT_NE(told[1].find("stage \"second\": bonds \"glue\""), std::string::npos) << told[1];
 }
 
+/// A rod whose bonds have this, and one stage.
+std::string rod_at_rest(const std::string& of_bonds, const std::string& of_stage,
+                        const std::string& more = "") {
+  return "[[specimen]]\nkind = \"rod\"\nparticles = 5\nradius = 0.3\nmass = 1\n[[bonds]]\ndistance = 1.1\n" +
+         ("stiffness = {c_A = 1, c_D = 0.03, c_B = 0.0025, c_T = 0.002}\n" + of_bonds) + more +
+         "[[stage]]\n" + of_stage;
+}
+
+// Both would end the run, without a place, once it has begun.
+TEST(Check, FindsCapsulesInAStaticStage) {
+  if (!has_statics()) GTEST_SKIP();
+  const std::string capsules = "capsule_radius = 0.2\n",
+                    touch = "[contact]\nlaw = \"paper-hertz\"\nc_H = 1\npairs = \"unbonded\"\n";
+  const std::string at_rest = "kind = \"equilibrium\"\n", moves = "duration = \"1 T0\"\n";
+  const std::string strength = "strength = {criterion = \"elongation\", elongation = 0.1}\n";
+  const std::string told = "stage \"stage-1\": bonds touch as capsules\n  static stages take";
+  expect_refused(rod_at_rest(capsules, at_rest, touch), {"case.toml:14:1: " + told});
+  expect_silence(rod_at_rest(capsules, moves, touch));
+  expect_refused(rod_at_rest(capsules, moves + "[[stage]]\n" + at_rest, touch),
+                 {"case.toml:16:1: stage \"stage-2\": bonds touch as capsules"});
+  expect_silence(
+      rod_at_rest(capsules + strength, moves + "[[stage]]\n" + at_rest, touch));  // may have broken
+}
+
+TEST(Check, FindsModesWhereTwoSlopesMeet) {
+  if (!has_statics()) GTEST_SKIP();
+  const std::string slopes = "stretching = {form = \"two-slopes\", compression = 0.5}\n",
+                    modes = "kind = \"modes\"\n";
+  const std::string told =
+      "case.toml:10:1: stage \"stage-1\": modes of a body whose bond 0 (particles 0, 1) is at rest";
+  expect_refused(rod_at_rest(slopes, modes), {told});
+  expect_refused(
+      rod_at_rest(slopes, modes + "supports = [{group = \"first\", fix = [\"x\", \"y\", \"z\"]}]\n"), {told});
+  expect_silence(rod_at_rest("stretching = {form = \"two-slopes\", compression = 1}\n", modes));
+  expect_silence(rod_at_rest(slopes + "prestrain = 1e-3\n", modes));
+  const std::string held = "supports = [{group = \"first\", fix = [" + clamped + "]}]\n";
+  expect_silence(rod_at_rest(slopes, modes + held + "gravity = [1e-6, 0, 0]\n"));
+  expect_silence(rod_at_rest(slopes, "kind = \"equilibrium\"\n" + held));
+}
+
 TEST(Check, SaysNothingOfACaseThatRuns) {
   expect_silence(rod + "[[stage]]\nname = \"second\"\nduration = \"1 T0\"\n");
 }

@@ -8,6 +8,7 @@
 
 #include "vbond/core/bounding_box.hpp"
 #include "vbond/model/mistakes.hpp"
+#include "vbond/run/rest_mistakes.hpp"
 #include "vbond/run/run.hpp"
 #include "vbond/run/static_solver.hpp"
 
@@ -103,8 +104,16 @@ std::vector<StageRefusal> Run::refusals() {
         outlook.pairs_known = outlook.bonds_known = false;
       if (!temperature_known && !outlook.state().warm_bonds.empty())
         outlook.changed().warm_bonds.clear();  // what they have grown by
-      if (const auto* statics = std::get_if<StaticStage>(&stage))
-        look_at_balance(k, *statics, outlook, found);
+      if (const auto* statics = std::get_if<StaticStage>(&stage)) {
+        const SourcePlace& place = stages_->place(k);
+        const State& state = now ? state_ : outlook.state();
+        const auto mistake = place.file.empty() ? std::nullopt  // no case that could be mended
+                                                : mistake_at_rest(model_, state, *statics, now, place);
+        if (mistake)
+          found.push_back({k, *mistake, {}});
+        else
+          look_at_balance(k, *statics, outlook, found);
+      }
       temperature_known = go_on(temperature, state_.r.size(), stage) && temperature_known;
     } catch (const CaseError& e) {
       for (const Problem& p : e.problems())

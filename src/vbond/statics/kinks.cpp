@@ -4,48 +4,23 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
-#include "vbond/model/bond_sums.hpp"
 #include "vbond/model/rules.hpp"
 #include "vbond/model/touching.hpp"
+#include "vbond/model/two_slopes.hpp"
 #include "vbond/terms/walls/resting_walls.hpp"
 
 namespace vbond {
 namespace {
 
-/// Of lengths: a balance is exact to 1e-10 of the largest force, and so a body strained by 0.1 is to this.
-constexpr double of_balance = 1e-11;
-
-/// What rounding of places may make of the gap beside a particle: 16 eps, for the terms of a distance, of
-/// where it stands and of the edges that lead to its images.  [length]
-double rounding_of_place(const State& s, ParticleId p) {
-  double far = norm(s.r[p]);
-  for (const CellEdge& e : s.cell) far += norm(e.along);
-  return 16.0 * std::numeric_limits<double>::epsilon() * far;
-}
 double rounding_of_gap(const Model& m, const State& s, ParticleId p) {
-  return of_balance * m.radius[p] + rounding_of_place(s, p);
-}
-
-bool has_two_slopes(const Bond& b) {
-  const Stretch& stretch = b.rules->stretch;
-  return !b.broken && stretch.form == StretchForm::two_slopes && stretch.compression != 1.0;
-}
-
-bool is_at_kink(const State& s, BondId k) {
-  const Bond& b = s.bonds[k];
-  if (!has_two_slopes(b)) return false;
-  const double N = axial_force(s, k), c_A = b.law->stiffness(b).c_A;
-  const double slope = N < 0.0 ? b.rules->stretch.compression * c_A : c_A;
-  const double rounding = of_balance * b.a + rounding_of_place(s, b.i) + rounding_of_place(s, b.j);
-  return slope > 0.0 && std::abs(N) <= slope * rounding;
+  return rounding_of_balance * m.radius[p] + rounding_of_place(s, p);
 }
 
 std::optional<Kink> kink_of_bonds(const State& s, const Moves& moves) {
   for (const BondId k : s.bonds.ids()) {
     const Bond& b = s.bonds[k];
-    if (!is_at_kink(s, k) || !(moves(b.i) || moves(b.j))) continue;
+    if (!has_two_slopes(b) || !is_unstrained(s, k) || !(moves(b.i) || moves(b.j))) continue;
     return Kink{fmt::format("bond {} (particles {}, {}) is at rest, where its slopes in tension and "
                             "compression meet: the body has no single stiffness there",
                             k.value, b.i.value, b.j.value),
