@@ -353,7 +353,7 @@ TEST(HomogeniseBody, RefusesWhatSticksOut) {
     surface_of_box(s.model, s.state);
     ADD_FAILURE() << "taken";
   } catch (const std::invalid_argument& e) {
-    EXPECT_NE(std::string(e.what()).find("side of -z has 1 particles, particle 64 among them"),
+    EXPECT_NE(std::string(e.what()).find("side of -z has 1 particles that stick out, particle 64 among them"),
               std::string::npos)
         << e.what();
   }
