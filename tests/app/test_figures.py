@@ -18,7 +18,7 @@ def test_rod_quasistatic():
     critical = number("rod_quasistatic.out", "critical_force")
     assert 3.14e-4 < critical < 3.24e-4
     assert "peak" in values("rod_quasistatic.out", "stop"), "the rod did not buckle"
-    run.expect(out=f'critical force of stage "compress": {critical:.6g}')
+    run.expect(out=f'peak force of stage "compress": {critical:.6g}')
     # That its peak is the largest of the averages, and the last average the first that is 1.5 % below it.
     averages = column("rod_quasistatic.out", "peak_average")
     assert max(averages) <= critical * (1 + 1e-12) and averages[-1] < 0.985 * critical
