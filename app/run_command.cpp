@@ -135,8 +135,7 @@ std::string resume_command(const Campaign& campaign) {
 
 void say_end(const Campaign& campaign, bool interrupted) {
   const RunSummary& s = campaign.summary;
-  const std::string folder = campaign.plan.folder.string();
-  std::string text;
+  std::string text, folder = campaign.plan.folder.string();
   for (const StageSummary& stage : s.stages)
     if (stage.critical_force)
       text += fmt::format("peak force of stage \"{}\": {:.6g}{}\n", stage.name, *stage.critical_force,
