@@ -73,6 +73,40 @@ density = "1000 kg/m^3"
     has("sheet", 'theory shell, E = 2e+09 Pa, nu = 0.3, thickness 0.002 m"')
 
 
+@pytest.mark.parametrize("keys, strength", [
+    ('strength = {criterion = "stress", tension = "3 MPa", shear = "5 MPa", compression = "9 MPa", moment_share = 0.5}',
+     "by stress: tension 3e+06 Pa, shear 5e+06 Pa, compression 9e+06 Pa, share of moments 0.5"),
+    ('strength = {criterion = "mohr-coulomb", cohesion = "5 MPa", friction_angle = "30 deg", tension_limit = "3 MPa", weibull = {modulus = 6}}',
+     "by mohr-coulomb: cohesion 5e+06 Pa, friction angle 30 degrees, tension 3e+06 Pa, Weibull's modulus 6"),
+    ('strength = {criterion = "linear", axial_force = "3 N", shear_force = "4 N", bending_moment = "5 N*m", torque = "6 N*m"}',
+     "by linear: axial force 3 N, shear force 4 N, bending moment 5 N m, torque 6 N m"),
+    ('strength = {criterion = "energy", tension_energy = "3 J", other_energy = "4 J"}', "by energy: tension 3 J, others 4 J"),
+    ('strength = {criterion = "elongation", elongation = 0.02}', "by elongation: of 0.02"),
+    ("", None),
+])
+def test_sections_and_strengths_are_told(tmp_path, keys, strength):
+    folder = tmp_path / "rod"
+    vbond("run", write(tmp_path / "rod.toml", f"""units = {{system = "SI"}}
+stage = [{{duration = "1e-5 s"}}]
+[[bonds]]
+name = "rod"
+distance = "21 mm"
+theory = "bernoulli-euler"
+E = "2 GPa"
+section = {{shape = "circle", diameter = "4 mm"}}
+nu = 0.3
+{keys}
+[[specimen]]
+kind = "rod"
+particles = 3
+spacing = "20 mm"
+mass = "1 g"
+radius = "5 mm"
+"""), "-o", folder, "--report")
+    has(folder, "section of diameter 0.004 m")
+    assert f'["Bonds break","\\"rod\\" {strength}"]' in page(folder) if strength else "Bonds break" not in page(folder)
+
+
 def test_without_frames_and_while_it_runs():
     vbond("run", write("bare.toml", GOOD, ("^frames.*\n", "")), *"-o bare --report".split())
     has("bare", '"sequences":[]', '"axial_force.all"', '"clock":"time"', '"no_frames":"The case asks for no frames',

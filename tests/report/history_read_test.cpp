@@ -125,5 +125,21 @@ TEST(PageHistory, ForcesOnWallsAreOffered) {
   EXPECT_EQ(plots[1].y, (std::vector<std::string>{"wall.a.b.Fy", "wall.a.b.Fz"}));
 }
 
+TEST(PageHistory, StressesOfACellAreOffered) {
+  const History h{{{"time", {0, 1, 2}},
+                   {"cell_strain_xx", {0, -0.1, -0.2}},
+                   {"cell_strain_yy", {0, 0.1, 0.1}},
+                   {"cell_strain_zz", {0, 0, 0}},
+                   {"cell_stress_xx", {0, -3, -5}},
+                   {"cell_stress_zz", {0, 0, 0}}}};
+  const std::vector<Plot> plots = preset_plots(h);
+  ASSERT_EQ(plots.size(), 3U);
+  EXPECT_EQ(plots[0].x, "cell_strain_xx");  // changes most
+  EXPECT_EQ(plots[0].y, std::vector<std::string>{"cell_stress_xx"});
+  EXPECT_EQ(plots[1].x, "time");
+  EXPECT_EQ(plots[1].y, std::vector<std::string>{"cell_stress_xx"});
+  EXPECT_EQ(plots[2].y, (std::vector<std::string>{"cell_strain_xx", "cell_strain_yy"}));
+}
+
 }  // namespace
 }  // namespace vbond::page

@@ -186,6 +186,7 @@ TEST(PageBreaks, TheListSaysWhatVbondBreaksSays) {
   BreakTold b{.bond = 12,
               .i = 7,
               .j = 8,
+              .step = 40,
               .time = 0.125,
               .criterion = "stress",
               .mode = "bending",
@@ -203,8 +204,11 @@ TEST(PageBreaks, TheListSaysWhatVbondBreaksSays) {
   EXPECT_EQ(row["mode"], 3);
   EXPECT_EQ(row["bond"], 12);
   EXPECT_EQ(row["j"], 8);
-  EXPECT_EQ(row["time"], 0.125);
+  EXPECT_EQ(row["step"], 40);
+  EXPECT_EQ(row["when"], "t = 0.125 s");
   EXPECT_EQ(row["energy"], 2.5e-4);
+  r.breaks.first[0].at_rest = true, r.breaks.first[0].load_factor = 0.75;
+  EXPECT_EQ(json_of(report_page(one_line, r, {}))["breaks"]["first"][0]["when"], "load factor 0.75");
 }
 
 TEST(PageBreaks, CausesHaveTheNumbersOfTheFrames) {

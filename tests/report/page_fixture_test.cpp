@@ -87,6 +87,7 @@ std::string page_of_known_numbers() {
   r.breaks = {{{.bond = 1,
                 .i = 1,
                 .j = 2,
+                .step = 15,
                 .time = 0.75,
                 .criterion = "stress",
                 .mode = "compression",

@@ -9,7 +9,7 @@ function heading(name, unit) { return element("th", { scope: "col" }, unit ? `${
 export function breaks_section({ count, words, first }, units, shown) {
   const si = units === "SI";
   const row = (broke) => element("tr", {},
-    element("td", {}, number(broke.time, 6)),
+    element("td", {}, broke.when),
     element("td", {}, shown ? element("button", { type: "button", "aria-label": `Show bond ${broke.bond}`, onclick: () => shown(broke) }, broke.bond) : broke.bond),
     element("td", {}, `${broke.i}, ${broke.j}`),
     element("td", {}, element("span", { class: "swatch", style: { background: css_colour(cause_colours[broke.mode]) } }), causes[broke.mode]),
@@ -19,7 +19,7 @@ export function breaks_section({ count, words, first }, units, shown) {
     element("h2", {}, "Bonds that broke"),
     element("p", {}, `${words}.`, count > first.length ? ` The first ${first.length} are listed; breaks.csv has them all.` : ""),
     element("div", { class: "rows", tabindex: 0, role: "region", "aria-label": "List of the bonds that broke" }, element("table", {},
-      element("thead", {}, element("tr", {}, heading("Time", si && "s"), heading("Bond"), heading("Particles"), heading("By"), heading("Cause"),
+      element("thead", {}, element("tr", {}, heading("When"), heading("Bond"), heading("Particles"), heading("By"), heading("Cause"),
         heading("Energy it held", si && "J"))),
       element("tbody", {}, ...first.map(row)))));
 }

@@ -17,16 +17,17 @@ export class History {
 
   /** Presets of the data whose columns are all there, then breaks if there are any, energies and their balance. */
   presets(plots) {
+    const any = (names) => names.some((name) => this.column(name).values.some((v) => v));
     const list = plots.filter(({ x, y }) => [x, ...y].every((name) => this.has(name))).map((preset) => this.turned(preset));
-    if (this.column("broken")?.values.some((v) => v)) {
+    if (this.has("broken") && any(["broken"])) {
       list.push({ title: "Bonds that broke, and fragments", x: this.over, y: ["broken", "fragments"].filter((name) => this.has(name)), added: true });
       if (this.has("released")) list.push({ title: "Energy released by breaks", x: this.over, y: ["released"], added: true });
     }
     const energies = stacked.filter((name) => this.has(name));
-    if (energies.length) list.push({ title: "Energies", x: this.over, y: energies, stacked: true, added: true });
-    const causes = this.names.filter((name) => name.startsWith("dissipated.") && this.column(name).values.some((v) => v));
+    if (any(energies)) list.push({ title: "Energies", x: this.over, y: energies, stacked: true, added: true });
+    const causes = this.names.filter((name) => name.startsWith("dissipated.") && any([name]));
     if (causes.length > 1) list.push({ title: "Energy dissipated, by cause", x: this.over, y: causes, stacked: true, added: true });
-    if (this.column("balance_error")?.values.some((v) => v)) list.push({ title: "Error of the energy balance", x: this.over, y: ["balance_error"], added: true });
+    if (this.has("balance_error") && any(["balance_error"])) list.push({ title: "Error of the energy balance", x: this.over, y: ["balance_error"], added: true });
     return list;
   }
 

@@ -12,7 +12,7 @@ export class Plots {
     const free = kept.free ?? { title: "Any columns", x: history.over, y: [history.has("total") ? "total" : history.names.at(-1)] };
     this.all = [...history.presets(presets), free].map((preset) => new Plot(history, preset, picked));
     this.all.at(-1).heading.after(this.chooser(this.all.at(-1)));
-    const at_first = ({ preset }, k) => preset !== free && (k < shown_at_first || preset.added);
+    const at_first = ({ preset }, k) => history.rows > 1 && preset !== free && (k < shown_at_first || preset.added);
     this.shown = new Set(this.all.filter((plot, k) => kept.shown?.includes(plot.preset.title) ?? at_first(plot, k)));
     this.root = element("section", { class: "plots", "aria-label": "Plots" }, element("h2", { class: "unseen" }, "Plots"),
       element("div", { class: "chips", role: "group", "aria-label": "Plots that are shown" }, ...this.all.map((plot) => this.chip(plot))),

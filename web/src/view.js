@@ -299,12 +299,12 @@ export class View {
   }
 
   /** Shows the run where a bond has just broken, and its numbers. */
-  show_break({ bond, time }) {
+  show_break({ bond, step }) {
     const run = this.run.sequences.findIndex(({ json }) => json.kind === "run");
     if (run < 0) return;
     if (this.sequence !== this.run.sequences[run]) this.open(run);
     this.player.pause();
-    const { frames } = this.sequence, after = frames.findIndex((frame) => frame.time >= time);
+    const { frames } = this.sequence, after = frames.findIndex((frame) => frame.step >= step);
     this.player.show(after < 0 ? frames.length - 1 : after);
     this.pick({ kind: "bond", number: bond });
     this.stage.scrollIntoView({ block: "nearest" });

@@ -64,7 +64,7 @@ test("Fixture.BreaksComeBackExactly", () => {
   for (let f = 0; f < 4; ++f) for (let k = 0; k < 3; ++k) assert.equal(fragment.value(f, k), 300 * f * k);
   assert.deepEqual([mode.broken.list, mode.quantities.some(({ key }) => ["fragment", "utilisation", "torque"].includes(key))], [[], false]);
   assert.deepEqual(json.breaks, { count: 1, words: "1 bond broke: 1 in compression",
-    first: [{ time: 0.75, bond: 1, i: 1, j: 2, mode: 5, cause: "-N/A + M_b r/J = 3 of 2 MPa", energy: 0.25 }] });
+    first: [{ step: 15, when: "t = 0.75 s", bond: 1, i: 1, j: 2, mode: 5, cause: "-N/A + M_b r/J = 3 of 2 MPa", energy: 0.25 }] });
 });
 
 test("Fixture.ContactsComeBackExactly", () => {

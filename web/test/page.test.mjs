@@ -145,6 +145,8 @@ test("History.PresetsWithoutTheirColumnsAreLeftOut", () => {
   const history = new History({ columns: [{ name: "time" }, { name: "U_L" }], values: [[0, 1], [0, 2]], rows_in_file: 2 });
   assert.deepEqual(history.presets([{ title: "?", x: "time", y: ["force"] }]).map((p) => p.title), ["Energies"]);
   assert.equal(history.csv(["time", "U_L"]), "time,U_L\n0,0\n1,2\n");
+  const at_rest = new History({ columns: [{ name: "time" }, { name: "U_L" }], values: [[0, 1], [0, 0]], rows_in_file: 2 });
+  assert.deepEqual(at_rest.presets([]), [], "no energy, no plot of it");
 });
 
 test("History.CurvesOfCompressionGoForward", () => {

@@ -181,7 +181,7 @@ export function breaking(about = {}) {
   }
   made.bond_broken = block.kinds("u8", [...of_bonds((f, b) => (gone(f, b) ? cause_of(b) : 0))], bonds.length);
   made.fragment = block.kinds("u16", Array.from({ length: frames * n }, (_, k) => (parted(Math.floor(k / n)) && k % n >= 6 * ny ? 1 : 0)), n);
-  const first = lost.map((bond, k) => ({ time: 0.5 * (10 + 5 * k) - 0.2, bond, i: bonds[bond][0], j: bonds[bond][1], mode: cause_of(bond), energy: 0.01 * (k + 1),
+  const first = lost.map((bond, k) => ({ step: 1000 + 500 * k - 20, when: `t = ${0.5 * (10 + 5 * k) - 0.2} s`, bond, i: bonds[bond][0], j: bonds[bond][1], mode: cause_of(bond), energy: 0.01 * (k + 1),
                                          cause: `N/A + M_b r/J = 9 + 3.1 = 12.1 of 12 MPa, and ${k}` }));
   const json_of_run = json(block, { title: "A beam that parts", particles: n, ...about }, [made], bonds, 0.5, frames);
   const { columns, values } = json_of_run.history, broken = values[0].map((step) => lost.filter((_, k) => step >= 1000 + 500 * k - 40).length);

@@ -62,13 +62,6 @@ std::string mode_in_words(const std::string& mode) {
   return mode == "other" ? "by its own law" : "in " + mode;
 }
 
-/// Of a static stage time says nothing.
-std::string when_in_words(const BreakTold& b, bool si) {
-  if (b.load_factor) return fmt::format("load factor {:.6g}", *b.load_factor);
-  if (b.at_rest) return fmt::format("point {}", b.step);
-  return fmt::format("t = {:.6g}{}", b.time, si ? " s" : "");
-}
-
 /// The row that was read.
 BreakTold told_row(const CsvReader& in) {
   const auto cell = [&](const char* name) -> const std::string& { return in.cells()[in.place(name)]; };
@@ -142,6 +135,12 @@ BreakMode break_mode(const std::string& name) {
   return other;
 }
 
+std::string when_in_words(const BreakTold& b, UnitSystem units) {
+  if (b.load_factor) return fmt::format("load factor {:.6g}", *b.load_factor);
+  if (b.at_rest) return fmt::format("point {}", b.step);
+  return fmt::format("t = {:.6g}{}", b.time, units == UnitSystem::si ? " s" : "");
+}
+
 std::string cause_in_words(const BreakTold& b, UnitSystem units) {
   const Failure<double>& f = b.failure;
   if (b.mode == with_dropped) return fmt::format("its utilisation was {:.4g} of 1", f.utilisation);
@@ -158,10 +157,9 @@ std::string cause_in_words(const BreakTold& b, UnitSystem units) {
 }
 
 std::string in_words(const BreakTold& b, UnitSystem units) {
-  const bool si = units == UnitSystem::si;
   return fmt::format("bond {} (particles {}, {}) broke at {} {}: {}; it held {:.4g}{}", b.bond, b.i, b.j,
-                     when_in_words(b, si), mode_in_words(b.mode), cause_in_words(b, units), b.energy,
-                     si ? " J" : "");
+                     when_in_words(b, units), mode_in_words(b.mode), cause_in_words(b, units), b.energy,
+                     units == UnitSystem::si ? " J" : "");
 }
 
 std::string in_words(const BreaksTold& told) {

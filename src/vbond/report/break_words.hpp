@@ -42,6 +42,9 @@ void find_load_factors(BreaksTold& told, const Case& c, const std::filesystem::p
 /// Of the names that breaks.csv has; other for those that it has not.
 BreakMode break_mode(const std::string& name);
 
+/// "t = 0.12 s"; of a static stage, where time says nothing, "load factor 0.5" or "point 12".
+std::string when_in_words(const BreakTold& told, UnitSystem units);
+
 /// Why it broke: "N/A + M_b r/J = 9 + 3.1 = 12.1 of 12 MPa", without an end.
 std::string cause_in_words(const BreakTold& told, UnitSystem units);
 

@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
 #include "vbond/model/step_bound.hpp"
+#include "vbond/observe/quantities.hpp"
 #include "vbond/observe/table_text.hpp"
 #include "vbond/statics/results.hpp"
 
@@ -50,8 +52,18 @@ struct ParametersInWords {
   const BondLaw& law;
   bool si;
   std::string thickness(const TheoryParameters& p) const {
-    if (p.theory != BondTheory::shell) return {};
     return fmt::format(", thickness {:.6g}{}", p.thickness, si ? " m" : "");
+  }
+  /// The area, or the radius where each bond has its own.
+  std::string section(const TheoryParameters& p) const {
+    const char *metre = si ? " m" : "", *of_area = si ? " m^2" : "";
+    if (p.of_radii.any())
+      return fmt::format(", section of {:.6g} times the {} radius", p.of_radii.factor,
+                         p.of_radii.of_mean ? "mean" : "smaller");
+    if (!(p.section.A > 0.0)) return {};
+    const bool full_circle = p.section.A == circle(2.0 * p.section.r).A;
+    return full_circle ? fmt::format(", section of diameter {:.6g}{}", 2.0 * p.section.r, metre)
+                       : fmt::format(", section of area {:.6g}{}", p.section.A, of_area);
   }
   std::string operator()(const GivenCoefficients& given) const {
     std::string text;
@@ -67,12 +79,15 @@ struct ParametersInWords {
   std::string operator()(const TheoryParameters& p) const {
     if (p.theory == BondTheory::parallel && !p.per_area.of_modulus())
       return fmt::format("theory parallel, k_n = {:.6g}{}, k_s = {:.6g}{}", p.per_area.k_n,
-                         si ? " N/m^3" : "", p.per_area.k_s, si ? " N/m^3" : "");
+                         si ? " N/m^3" : "", p.per_area.k_s, si ? " N/m^3" : "") +
+             section(p);
     if (p.theory == BondTheory::parallel)
       return fmt::format("theory parallel, E = {:.6g}{}, k_n/k_s = {:.6g}", p.material.E, si ? " Pa" : "",
-                         p.per_area.ratio);
+                         p.per_area.ratio) +
+             section(p);
     return fmt::format("theory {}, E = {:.6g}{}, nu = {:.6g}{}", name_of(p.theory), p.material.E,
-                       si ? " Pa" : "", p.material.nu, thickness(p));
+                       si ? " Pa" : "", p.material.nu,
+                       p.theory == BondTheory::shell ? thickness(p) : section(p));
   }
 };
 
@@ -87,6 +102,51 @@ std::string factors_in_words(const BondStiffness<double>& f) {
   if (f.c_A == 1.0 && f.c_D == 1.0 && f.c_B == 1.0 && f.c_T == 1.0) return {};
   return fmt::format(", times {:.6g} (c_A), {:.6g} (c_D), {:.6g} (c_B), {:.6g} (c_T)", f.c_A, f.c_D, f.c_B,
                      f.c_T);
+}
+
+/// "by stress: tension 3e+06 Pa, shear 5e+06 Pa"; nothing where bonds hold for ever.
+std::string strength_in_words(const BondSpec& b, bool si) {
+  using enum Criterion;
+  if (!b.strength || b.strength->criterion == none) return {};
+  const StrengthSpec& s = *b.strength;
+  std::string text;
+  const auto add = [&](const char* name, double value, const char* unit) {
+    text += fmt::format("{} {} {:.6g}{}{}", text.empty() ? "" : ",", name, value,
+                        si && *unit != '\0' ? " " : "", si ? unit : "");
+  };
+  switch (s.criterion) {
+    case none: break;
+    case stress:
+    case fibre:
+      add("tension", s.tension, "Pa"), add("shear", s.shear, "Pa");
+      if (s.compression > 0.0) add("compression", s.compression, "Pa");
+      if (s.moment_share != 1.0) add("share of moments", s.moment_share, "");
+      break;
+    case mohr_coulomb:
+      add("cohesion", s.cohesion, "Pa");
+      add("friction angle", s.friction_angle * 180.0 / std::numbers::pi, "");
+      text += " degrees";
+      add("tension", s.tension, "Pa");
+      if (s.moments) add("share of moments", *s.moments, "");
+      break;
+    case linear:
+    case quadratic:
+      add("axial force", s.axial_force, "N"), add("shear force", s.shear_force, "N");
+      add("bending moment", s.bending_moment, "N m"), add("torque", s.torque, "N m");
+      break;
+    case energy: add("tension", s.tension_energy, "J"), add("others", s.other_energy, "J"); break;
+    case elongation: add("of", s.elongation, "");
+  }
+  if (b.recipe.weibull.modulus > 0.0) add("Weibull's modulus", b.recipe.weibull.modulus, "");
+  return fmt::format("by {}:{}", to_text(s.criterion), text);
+}
+
+std::string strengths_in_words(const Case& c) {
+  std::string text;
+  for (const BondSpec& b : c.bonds)
+    if (const std::string words = strength_in_words(b, c.units == UnitSystem::si); !words.empty())
+      text += fmt::format("{}\"{}\" {}", text.empty() ? "" : "; ", b.name, words);
+  return text;
 }
 
 std::string bonds_in_words(const Case& c) {
@@ -208,9 +268,11 @@ Lines facts_of(const Case& c, const Built& built, const std::optional<RunSummary
   Lines lines{{"Specimen", specimen_in_words(c)},
               {"Size", fmt::format("{} particle{}, {} bond{}", model.particles(),
                                    model.particles() == 1 ? "" : "s", bonds, bonds == 1 ? "" : "s")},
-              {"Bonds", bonds_in_words(c)},
-              {"Contacts", contacts_in_words(model)},
-              {"Units", si ? "SI" : "reduced (no units)"}};
+              {"Bonds", bonds_in_words(c)}};
+  if (std::string strengths = strengths_in_words(c); !strengths.empty())
+    lines.push_back({"Bonds break", std::move(strengths)});
+  lines.push_back({"Contacts", contacts_in_words(model)});
+  lines.push_back({"Units", si ? "SI" : "reduced (no units)"});
   if (model.T_0 > 0.0) lines.push_back({"T_0", fmt::format("{:.6g}{}", model.T_0, si ? " s" : "")});
   if (step.dt > 0.0) lines.push_back({"Time step", step_in_words(step, model)});
   for (std::size_t k = 0; k < c.stages.size(); ++k) {

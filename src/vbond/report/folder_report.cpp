@@ -148,7 +148,10 @@ Report report_of(const fs::path& folder, FolderReport asked) {
   r.case_text = std::move(of_page.text);
   if (!of_page.left_out.empty()) r.left_out.push_back(std::move(of_page.left_out));
   if (is_there(folder / "history.csv")) r.history = read_history(folder / "history.csv");
-  if (is_there(folder / "breaks.csv")) r.breaks = read_breaks(folder / "breaks.csv", listed_breaks);
+  if (is_there(folder / "breaks.csv")) {
+    r.breaks = read_breaks(folder / "breaks.csv", listed_breaks);
+    find_load_factors(r.breaks, c, folder);
+  }
   std::vector<Warning> trouble = add_sequences(folder, c, summary, r);
   for (Warning& w : trouble) w.text = without_folder(std::move(w.text), folder);
   const StepFacts step = step_of(c, built, summary);

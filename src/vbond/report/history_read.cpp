@@ -96,6 +96,17 @@ std::vector<std::string> moving_components(const History& h, const std::string& 
   return names;
 }
 
+/// Those components of the cell's strain or stress, by how their names begin, that change by more than
+/// rounding does.
+std::vector<std::string> changing(const History& h, std::string_view begin) {
+  constexpr double rounding = 1e-9;  // of the largest change
+  std::vector<std::string> names = columns_that_begin(h, begin);
+  double most = 0.0;
+  for (const std::string& name : names) most = std::max(most, span_of(*h.find(name)));
+  std::erase_if(names, [&](const std::string& name) { return !(span_of(*h.find(name)) > rounding * most); });
+  return names;
+}
+
 /// Whether it changes, and never back.
 bool goes_forward(const HistoryColumn& c) {
   return span_of(c) > 0.0 && std::is_sorted(c.values.begin(), c.values.end());
@@ -229,6 +240,11 @@ std::vector<Plot> preset_plots(const History& h) {
       add("Force on wall " + wall + " against its displacement", x, leading(h, force));
     add("Force on wall " + wall + over, clock, force);
   }
+  const std::vector<std::string> strains = changing(h, "cell_strain_"),
+                                 stresses = changing(h, "cell_stress_");
+  for (const std::string& x : leading(h, strains)) add("Stress of the body against strain", x, stresses);
+  add("Stress of the body" + over, clock, stresses);
+  add("Strain of the cell" + over, clock, strains);
   add("Displacements" + over, clock, columns_that_begin(h, "displacement."));
   add("Velocities" + over, clock, columns_that_begin(h, "velocity."));
   return plots;

@@ -38,7 +38,8 @@ Json history_json(const History& h, bool si, const std::vector<std::size_t>& row
 Json breaks_json(const BreaksTold& told, UnitSystem units) {
   Json first = Json::array();
   for (const BreakTold& b : told.first)
-    first.push_back({{"time", to_json(b.time)},
+    first.push_back({{"step", b.step},
+                     {"when", when_in_words(b, units)},
                      {"bond", b.bond},
                      {"i", b.i},
                      {"j", b.j},
