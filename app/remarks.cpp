@@ -10,6 +10,7 @@
 
 #include "vbond/core/bounding_box.hpp"
 #include "vbond/core/disjoint_sets.hpp"
+#include "vbond/setup/build.hpp"
 
 namespace vbond::app {
 namespace {
@@ -183,6 +184,63 @@ void find_clumps_that_damp(const Case& c, const Model& model, Lines& lines) {
   }
 }
 
+/// Whether a support of the stage holds one of the particle's translations.
+bool stage_holds(const StageSpec& stage, const Model& model, ParticleId p) {
+  return std::any_of(stage.supports.begin(), stage.supports.end(), [&](const SupportSpec& s) {
+    const bool any =
+        !s.along.empty() || std::find(s.held.begin(), s.held.begin() + 3, true) != s.held.begin() + 3;
+    const auto groups = resolve_groups({s.group}, model);
+    return any &&
+           std::find(groups[0].particles.begin(), groups[0].particles.end(), p) != groups[0].particles.end();
+  });
+}
+
+/// Ends of rods that swing freely carry whole beads, so that frequencies are too low.
+void find_whole_ends(const Case& c, const Model& model, const PerParticle<std::size_t>& bonds, Lines& lines) {
+  constexpr double striking = 0.01;  // of a frequency
+  const auto stage = std::find_if(c.stages.begin(), c.stages.end(),
+                                  [](const StageSpec& s) { return s.kind == StageKind::modes; });
+  if (stage == c.stages.end()) return;
+  const std::vector<Range> ranges = ranges_of_specimens(c, model);
+  for (std::size_t s = 0; s < ranges.size(); ++s) {
+    if (!std::holds_alternative<RodSpecimen>(c.specimens[s].shape)) continue;
+    const std::size_t length = ranges[s].count - 1;
+    int free = 0;
+    for (const std::size_t k : {std::size_t{0}, length})
+      if (const ParticleId p{ranges[s].first + k}; bonds[p] == 1 && !stage_holds(*stage, model, p)) ++free;
+    const double error = free / static_cast<double>(length);
+    if (error < striking) continue;
+    lines.push_back(
+        fmt::format("specimen \"{}\": {} whole bead{} of its {} bonds, a bar half of one: "
+                    "the lowest frequencies are some {:.2g} % too low (docs/specimens.md, free ends)",
+                    c.specimens[s].name, free == 1 ? "its free end carries a" : "its free ends carry",
+                    free == 1 ? "" : "s", length, 100.0 * error));
+  }
+}
+
+/// Bonds along the free edges of a strip that are as stiff as those within.
+void find_stiff_edges(const Case& c, const Model& model, const State& state, Lines& lines) {
+  constexpr double striking = 0.02;  // of the stiffness of a strip
+  if (c.specimens.size() != 1 || model.cell.any()) return;
+  const auto* sheet = std::get_if<SheetSpecimen>(&c.specimens[0].shape);
+  if (!sheet || sheet->lattice != SheetLattice::triangular) return;
+  const auto along_edge = [](const Bond& b) { return b.i.value == 0 && b.j.value == 1; };
+  const auto b = std::find_if(state.bonds.begin(), state.bonds.end(), along_edge);
+  if (b == state.bonds.end()) return;
+  const BondRecipe& recipe = c.bonds[b->set].recipe;
+  const auto* theory = std::get_if<TheoryParameters>(&recipe.parameters);
+  if (!theory || theory->theory != BondTheory::shell || recipe.factors.c_A != 1.0) return;
+  const std::int64_t rows = sheet->particles[1];
+  if (rows < 2) return;
+  const double error = 2.0 / (3.0 * (1.0 - theory->material.nu) * static_cast<double>(rows - 1));
+  if (error < striking) return;
+  lines.push_back(fmt::format(
+      "specimen \"{}\": bonds of a free edge have their whole stiffness, which makes a strip of {} "
+      "rows {:.2g} % too stiff along them; half of it there mends that (docs/specimens.md, edges "
+      "of a strip)",
+      c.specimens[0].name, rows, 100.0 * error));
+}
+
 }  // namespace
 
 std::vector<std::string> remarks(const Case& c, const Model& model, const State& state) {
@@ -195,6 +253,8 @@ std::vector<std::string> remarks(const Case& c, const Model& model, const State&
   compare_masses(c, model, state, bonds, lines);
   const auto later = [](const BondSpec& b) { return b.when != BondTime::start; };
   if (std::any_of(c.bonds.begin(), c.bonds.end(), later)) return lines;  // which may join the others
+  find_whole_ends(c, model, bonds, lines);
+  find_stiff_edges(c, model, state, lines);
   find_unbonded(c, model, bonds, lines);
   find_pairs_from_one(c, model, bonds, lines);
   return lines;

@@ -62,6 +62,30 @@ def test_masses():
     check("rods.toml", beads, ('diameter = "0.1 m"', 'diameter = "0.9 m"'), no_out=NOTE)  # lighter than their bars by 14 %
 
 
+def test_free_ends_of_rods():
+    modes = edited(BEAM, ("^density.*", "mass = 29.9199"), ("^duration.*", 'kind = "modes"\ncount = 8'))
+    words = "{} of its 20 bonds, a bar half of one: the lowest frequencies are some {} % too low"
+    check("free.toml", modes, out='specimen "beam": its free ends carry ' + words.format("whole beads", 10))
+    clamped = edited(modes, ("^count.*", 'count = 8\nsupports = [{group = "first", fix = ["x", "y", "z", "rx", "ry", "rz"]}]'))
+    check("clamped.toml", clamped, out='specimen "beam": its free end carries a ' + words.format("whole bead", 5))
+    check("pinned.toml", clamped, (r"\}\]$", '}, {group = "last", fix = ["z"]}]'), no_out="whole bead")
+    check("fine.toml", modes, ("^particles.*", "particles = 301"), no_out="whole bead")
+    check("moving.toml", BEAM, no_out="whole bead")
+
+
+def test_free_edges_of_strips():
+    strip = """units = {system = "SI"}
+specimen = [{name = "strip", kind = "sheet", particles = [21, 9], spacing = "5 mm", thickness = "1 mm", density = "7850 kg/m^3"}]
+bonds = [{distance = "5.1 mm", theory = "shell", E = "200 GPa", nu = 0.3, thickness = "1 mm"}]
+stage = [{kind = "modes", count = 3}]
+"""
+    check("strip.toml", strip, out='specimen "strip": bonds of a free edge have their whole stiffness, which makes a strip of 9 rows 12 % too stiff')
+    check("wide.toml", strip, (r"\[21, 9\]", "[9, 61]"), no_out="free edge")
+    half = 'bonds = [{between = ["edge", "edge"], stiffness_factors = {c_A = 0.5, c_D = 0.5, c_B = 0.5, c_T = 0.5}, '
+    edge = '\ngroups = {edge = {half_space = {point = [0, "1 mm", 0], normal = [0, 1, 0]}}}'
+    check("half.toml", strip, (r"^bonds = \[\{(.*)\}\]$", half + r"\1}, {\1}]" + edge), no_out="free edge")
+
+
 def test_meshes():
     write("plate.obj", "v 0 0 0\nv 1000 0 0\nv 0 1000 0\nf 1 2 3\n")
     plate = BEAM + """[contact]
