@@ -135,11 +135,11 @@ void compare_masses(const Case& c, const Model& model, const State& state,
     if (!c.specimens[s].density || c.specimens[s].thickness ||
         std::holds_alternative<FibresSpecimen>(c.specimens[s].shape))
       continue;
-    double beads = 0.0, volume = 0.0;
+    double beads = 0.0, heaviest = 0.0, volume = 0.0;
     bool chain = true, overlap = false;
     for (std::size_t k = 0; k < ranges[s].count; ++k) {
       const ParticleId p{ranges[s].first + k};
-      beads += model.mass[p];
+      beads += model.mass[p], heaviest = std::max(heaviest, model.mass[p]);
       chain &= bonds[p] == 1 || bonds[p] == 2;
     }
     for (const Bond& b : state.bonds) {
@@ -159,7 +159,9 @@ void compare_masses(const Case& c, const Model& model, const State& state,
         "(density times section times length), {:+.0f} %; mass = {:.6g} in place of density would "
         "give the weight of the bars",
         c.specimens[s].name, overlap ? "overlapping " : "", beads, kg, bars, kg, 100.0 * (beads / bars - 1.0),
-        bars / static_cast<double>(ranges[s].count)));
+        std::holds_alternative<RodSpecimen>(c.specimens[s].shape)
+            ? bars * heaviest / beads  // ends may have half of it
+            : bars / static_cast<double>(ranges[s].count)));
   }
 }
 
@@ -203,7 +205,8 @@ void find_whole_ends(const Case& c, const Model& model, const PerParticle<std::s
   if (stage == c.stages.end()) return;
   const std::vector<Range> ranges = ranges_of_specimens(c, model);
   for (std::size_t s = 0; s < ranges.size(); ++s) {
-    if (!std::holds_alternative<RodSpecimen>(c.specimens[s].shape)) continue;
+    const auto* rod = std::get_if<RodSpecimen>(&c.specimens[s].shape);
+    if (!rod || rod->half_ends) continue;
     const std::size_t length = ranges[s].count - 1;
     int free = 0;
     for (const std::size_t k : {std::size_t{0}, length})
@@ -212,7 +215,7 @@ void find_whole_ends(const Case& c, const Model& model, const PerParticle<std::s
     if (error < striking) continue;
     lines.push_back(
         fmt::format("specimen \"{}\": {} whole bead{} of its {} bonds, a bar half of one: "
-                    "the lowest frequencies are some {:.2g} % too low (docs/specimens.md, free ends)",
+                    "the lowest frequencies are some {:.2g} % too low; half_ends = true mends that",
                     c.specimens[s].name, free == 1 ? "its free end carries a" : "its free ends carry",
                     free == 1 ? "" : "s", length, 100.0 * error));
   }

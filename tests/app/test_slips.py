@@ -1,7 +1,11 @@
 """What check compares and notes as a likely slip, and files of other programs: columns, units, styles, periodic boxes."""
+import json
+import math
 from pathlib import Path
 
-from program import edited, refused, same_bytes, vbond, write
+import pytest
+
+from program import STATICS, edited, refused, same_bytes, vbond, write
 
 STIFFNESS = "stiffness = { c_A = 1, c_D = 0.03, c_B = 0.0025, c_T = 0.002 }"
 
@@ -70,7 +74,26 @@ def test_free_ends_of_rods():
     check("clamped.toml", clamped, out='specimen "beam": its free end carries a ' + words.format("whole bead", 5))
     check("pinned.toml", clamped, (r"\}\]$", '}, {group = "last", fix = ["z"]}]'), no_out="whole bead")
     check("fine.toml", modes, ("^particles.*", "particles = 301"), no_out="whole bead")
+    check("half.toml", modes, ("^kind = .rod.", 'kind = "rod"\\nhalf_ends = true'), no_out="whole bead")
     check("moving.toml", BEAM, no_out="whole bead")
+    # of the weight of the bars 20 whole beads and two halves
+    check("light.toml", BEAM, ("^kind = .rod.", 'kind = "rod"\\nhalf_ends = true'), ('"0.2 m"', '"0.25 m"'), out="mass = 31.4159 in place of density")
+
+
+@pytest.mark.skipif(not STATICS, reason="built without statics")
+def test_half_ends_are_those_of_a_bar():
+    def first(*changes):
+        vbond("run", write("bar.toml", """units = {system = "SI"}
+specimen = [{kind = "rod", particles = 41, spacing = "12.5 mm", radius = "5 mm", mass = "7.70673801 g", half_ends = true}]
+bonds = [{distance = "13 mm", theory = "bernoulli-euler", E = "210 GPa", nu = 0.3, section = {shape = "circle", diameter = "10 mm"}}]
+stage = [{kind = "modes", count = 1}]
+""", *changes), "-o", "bar", "--force")
+        return next(f for f in json.loads(Path("bar/run.json").read_text())["stages"][0]["frequencies"] if f > 1)
+    bar = 4.73004074486**2 / (2 * math.pi * 0.5**2) * math.sqrt(210e9 * 0.01**2 / 16 / 7850)
+    assert bar == pytest.approx(184.17, abs=0.01)
+    # of order 1/N^2 with half masses: 0.3 % with 40 bonds; of order 1/N without
+    assert abs(first() / bar - 1) < 0.004
+    assert first((", half_ends = true", "")) / bar - 1 == pytest.approx(-2 / 40, rel=0.1)
 
 
 def test_free_edges_of_strips():

@@ -92,6 +92,17 @@ TEST(Turn, TurnsVelocitiesOfAFileToo) {
   EXPECT_LT(norm(b.state.omega[ParticleId{1}] - Vec3d{0, -6, 0}), 1e-14);
 }
 
+TEST(Array, HalfEndsOfRodsGoWithCutsAndCopies) {
+  const Built b =
+      build(with_specimen("kind = \"rod\"\nparticles = 4\nhalf_ends = true\ncut = [{ sphere = { centre = [1, "
+                          "0, 0], radius = 0.5 } "
+                          "}]\narray = [{ count = 2, step = [10, 0, 0] }]\n"));
+  std::vector<double> masses;
+  for (const double m : b.model.mass) masses.push_back(m);
+  EXPECT_EQ(masses, (std::vector<double>{0.5, 1, 0.5, 0.5, 1, 0.5}));
+  EXPECT_EQ(b.model.inertia[ParticleId{0}], 0.5 * b.model.inertia[ParticleId{1}]);
+}
+
 TEST(Array, CopiesAlongItsStepsTheFirstRunningFastest) {
   const Case c = with_specimen(
       "kind = \"rod\"\nparticles = 2\narray = [{ count = 3, step = [10, 0, 0] }, "

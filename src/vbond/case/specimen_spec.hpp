@@ -24,6 +24,7 @@ struct RodSpecimen {
   double spacing = 1.0;
   Vec3d origin;              ///< first particle
   Vec3d direction{1, 0, 0};  ///< any length but zero
+  bool half_ends = false;    ///< the first and the last particle have half the mass
 };
 
 /// The paper's half-sphere: a fixed rim, the rest random and relaxed by a repulsion of range cutoff.

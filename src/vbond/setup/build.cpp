@@ -64,9 +64,10 @@ class Properties {
 
   double mass(std::size_t i) const {
     if (!s_.points.mass.empty()) return s_.points.mass[i];
-    if (s_.spec->mass) return *s_.spec->mass;
+    const double factor = s_.points.mass_factor.empty() ? 1.0 : s_.points.mass_factor[i];
+    if (s_.spec->mass) return factor * *s_.spec->mass;
     const double R = radius(i);
-    return 4.0 / 3.0 * std::numbers::pi * R * R * R * s_.spec->density.value_or(0.0);
+    return factor * 4.0 / 3.0 * std::numbers::pi * R * R * R * s_.spec->density.value_or(0.0);
   }
 
   PrincipalInertia inertia(std::size_t i) const {

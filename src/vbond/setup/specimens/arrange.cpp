@@ -64,6 +64,7 @@ std::string keep_only(const std::vector<char>& kept, SpecimenPoints& points) {
   filter(kept, points.mass);
   filter(kept, points.inertia);
   filter(kept, points.moments);
+  filter(kept, points.mass_factor);
   renumber_bonds(number, points.bonds);
   return renumber_parts(number, points);
 }
@@ -133,6 +134,7 @@ void copy(const CopiesSpec& row, SpecimenPoints& points) {
   repeat(times, points.mass);
   repeat(times, points.inertia);
   repeat(times, points.moments);
+  repeat(times, points.mass_factor);
   repeat_fibres(n, points);
   const auto shift = static_cast<std::int64_t>(n);
   const std::size_t bonds = points.bonds.size();

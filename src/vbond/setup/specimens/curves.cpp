@@ -30,6 +30,10 @@ SpecimenPoints make_points(const RodSpecimen& s, const SourcePlace& place) {
   SpecimenPoints points;
   for (std::int64_t k = 0; k < s.particles; ++k)
     points.r.push_back(s.origin + (static_cast<double>(k) * s.spacing) * e);
+  if (s.half_ends) {
+    points.mass_factor.assign(points.r.size(), 1.0);
+    points.mass_factor.front() = points.mass_factor.back() = 0.5;
+  }
   name_ends(points);
   return points;
 }

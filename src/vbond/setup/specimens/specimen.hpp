@@ -44,6 +44,7 @@ struct SpecimenPoints {
   std::vector<Vec3d> v, omega;                ///< per particle, or empty
   std::vector<double> radius, mass, inertia;  ///< per particle, or empty
   std::vector<Vec3d> moments;                 ///< of inertia; likewise
+  std::vector<double> mass_factor;            ///< on the mass that the case gives; likewise
   std::vector<FileBond> bonds;                ///< of a file, edges of a surface, or chains of fibres
   std::vector<std::int64_t> fibre;            ///< per particle: which fibre it is of; or empty
   std::vector<std::pair<std::string, std::vector<std::int64_t>>> parts;  ///< such as "ends", "rim"
