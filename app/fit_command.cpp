@@ -156,6 +156,10 @@ void say_quality(const fit::Task& task, const fit::Result& r) {
         "standard deviation of the residuals {:.6g}, {} degrees of freedom; errors follow from it, as no "
         "--sigma is given\n",
         r.deviation, s.dof));
+  if (any_contradicted(r.found))
+    say("no standard errors: differences with two steps say different things, as where the rows of a run "
+        "move "
+        "with its values; give them in a stage whose rows stay, as an equilibrium with steps\n");
   for (const std::size_t k : s.no_effect)
     say(fmt::format("{} has no effect on the points: it is not determined\n", task.varied[k].key));
   for (const auto& together : s.not_told_apart)
@@ -196,7 +200,8 @@ void say_result(const fit::Task& task, const fit::Result& r) {
     say(printable(fmt::format("columns of {} that nothing asks for: {}", task.data_file.string(),
                               fmt::join(r.passed_over, ", "))) +
         "\n");
-  say("This is a minimum near the start. Other starts may lead to others.\n");
+  if (r.found.end == fit::SearchEnd::converged)
+    say("This is a minimum near the start. Other starts may lead to others.\n");
 }
 
 }  // namespace

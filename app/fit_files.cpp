@@ -68,6 +68,7 @@ Json value_as_json(const fit::Varied& varied, const fit::FoundValue& v, const fi
   j["derivative"] = d.last_exact ? "tangent" : "differences";  // the last one
   j["derivatives"] = {{"times", d.times}, {"by_differences", d.exact ? d.fell_back : d.times}};
   if (!std::isnan(d.off)) j["off_from_differences"] = d.off;
+  if (d.contradicted) j["derivative"] = "unknown";
   if (!d.exact) j["why_differences"] = d.why_not;
   if (d.fell_back > 0) j["why_differences"] = d.fell_back_why;
   return j;

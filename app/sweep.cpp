@@ -197,7 +197,8 @@ void require_same_sweep(const fs::path& folder, const std::string& definition) {
     throw std::invalid_argument(folder.string() + " has another sweep: of another case, or of other values" +
                                 "\n  give another folder with -o, or remove this one");
   }
-  if (fs::exists(folder) && !fs::is_empty(folder))
+  const auto begun = [](const fs::directory_entry& e) { return e.path().filename() == "sweep.toml.part"; };
+  if (fs::exists(folder) && !std::all_of(fs::directory_iterator(folder), {}, begun))
     throw std::invalid_argument(folder.string() +
                                 " is not empty, and holds no sweep\n  give another folder with -o");
   make_folder(folder);
@@ -234,9 +235,9 @@ int sweep(const SweepOptions& options) {
   const auto points = points_of(keys);
   require_any_point(options.case_file, points);
   const fs::path folder = options.folder.value_or(options.case_file.stem().string() + ".sweep");
+  catch_signals();  // before there are files
   require_same_sweep(folder, definition_of(c, options.sets));
   const FolderLock lock(folder, run_lock);
-  catch_signals();
   Sweep sweep(options, std::move(keys), folder);
   sweep.run();
   if (sweep.ended() < sweep.points())  // said before files are written: the disk may be full

@@ -66,6 +66,7 @@ def test_masses():
     check("rods.toml", beads, ('diameter = "0.1 m"', 'diameter = "0.9 m"'), no_out=NOTE)  # lighter than their bars by 14 %
 
 
+@pytest.mark.skipif(not STATICS, reason="built without statics")
 def test_free_ends_of_rods():
     modes = edited(BEAM, ("^density.*", "mass = 29.9199"), ("^duration.*", 'kind = "modes"\ncount = 8'))
     words = "{} of its 20 bonds, a bar half of one: the lowest frequencies are some {} % too low"
@@ -96,6 +97,7 @@ stage = [{kind = "modes", count = 1}]
     assert first((", half_ends = true", "")) / bar - 1 == pytest.approx(-2 / 40, rel=0.1)
 
 
+@pytest.mark.skipif(not STATICS, reason="built without statics")
 def test_free_edges_of_strips():
     strip = """units = {system = "SI"}
 specimen = [{name = "strip", kind = "sheet", particles = [21, 9], spacing = "5 mm", thickness = "1 mm", density = "7850 kg/m^3"}]

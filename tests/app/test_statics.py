@@ -270,6 +270,25 @@ loads = [{{group = "last", force = [0, 1e-6, 0]}}]
     assert number("after", "energy_balance_error") < 1e-2
 
 
+@pytest.mark.parametrize("diameter, k_s", [(1.0855575525102696, 6.25354177435492e-05), (1.2040522820538568, 0.005060375836164954),
+                                           (1.7686717018003444, 0.00358815022161535)])
+def test_a_saddle_where_a_moment_leaves_no_tangent(diameter, k_s):  # once a crash
+    vbond("run", write("saddle.toml", f"""units = {{system = "SI"}}
+specimen = [{{kind = "rod", particles = 6, spacing = "2 mm", radius = "0.5 mm", density = 1000}}]
+[[bonds]]
+gap = "2 mm"
+theory = "parallel"
+k_n = "763516248853.158 N/m^3"
+k_s = {k_s!r}
+section = {{shape = "circle", diameter = "{diameter!r} mm"}}
+[[stage]]
+kind = "equilibrium"
+steps = 12
+loads = [{{group = "last", force = [0.03, 0.02, 0.01], moment = [1e-5, 0, 0]}}]
+supports = [{{group = "first", fix = ["x", "y", "z", "rx", "ry", "rz"]}}]
+"""), *"-o saddle --force".split(), status=1, err="no balance found beyond load factor")
+
+
 def test_points_are_numbered():
     # The first point is the body at load factor 0; without dynamics time is the number of the point, and the load factor
     # stands in the frames, those of dynamics apart.

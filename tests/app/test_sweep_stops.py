@@ -67,5 +67,14 @@ def test_a_run_that_is_killed():  # the other points go on
     goes_on("killed")
 
 
+def test_one_that_was_killed_before_it_had_written_what_it_is():
+    Path("early").mkdir()
+    Path("early/sweep.toml.part").write_text("# vbond sw")
+    goes_on("early")
+    Path("others").mkdir()
+    Path("others/notes.part").write_text("mine")
+    sweep("others", status=2, err="is not empty, and holds no sweep")
+
+
 def children(pid):
     return [int(child) for child in subprocess.run(["pgrep", "-P", str(pid)], capture_output=True, text=True).stdout.split()]

@@ -210,6 +210,25 @@ TEST(FitSearch, SaysWhereSlopesWereNotThere) {
   EXPECT_EQ(other.fell_back, 0u);
 }
 
+// The curve moves by rounding that is a thousandth of it and changes 1000 times within a step of differences:
+// what differences say is none of its derivatives, and differs with their step.
+TEST(FitSearch, TellsWhereDifferencesContradictEachOther) {
+  std::size_t sets = 0;
+  const auto with = curves_with_slopes(1, sets);
+  for (const double rough : {0.0, 1e-3}) {
+    const auto moving = [&](const std::vector<std::vector<double>>& all) {
+      auto trials = with(all);
+      for (std::size_t k = 0; k < all.size(); ++k)
+        for (double& y : trials[k].curve) y += rough * std::sin(1e6 * all[k][0]);
+      return trials;
+    };
+    const Found found = fit::search({{.start = 2.6}, {.start = 0.6}}, decay(truth), sigma, moving, {});
+    EXPECT_EQ(found.derivatives[0].contradicted, rough > 0);
+    EXPECT_EQ(fit::any_contradicted(found), rough > 0);
+    EXPECT_FALSE(found.derivatives[1].contradicted);
+  }
+}
+
 // A value without effect has nothing to compare: 1e-9 of the curve over the step is the error of runs.
 TEST(FitSearch, ComparesNoSlopesWithoutEffect) {
   const auto curve = [](const std::vector<std::vector<double>>& all) {

@@ -235,6 +235,15 @@ TEST(Homogenise, LeavesOutWhatFloats) {
   EXPECT_LT(difference(found.C, homogenise(s.model, s.state).C), 1e-12);
 }
 
+TEST(Homogenise, OfABodyThatHangsTogetherWithNoneOfItsImagesIsZero) {
+  Specimen s = packed(packing_of_equals(), true, false, false);
+  s.state.bonds.resize(1);
+  const Homogenised found = homogenise(s.model, s.state);
+  EXPECT_EQ(found.floating, s.model.particles());
+  EXPECT_EQ(found.C, decltype(found.C){});
+  EXPECT_EQ(found.stress, decltype(found.stress){});
+}
+
 void expect_refused(const Specimen& s, const std::string& because, const HomogeniseSettings& settings = {}) {
   try {
     homogenise(s.model, s.state, settings);

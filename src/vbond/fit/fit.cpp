@@ -238,7 +238,11 @@ void judge(const Task& task, const std::vector<double>& sigma, double difference
   result.statistics = statistics(result.found.jacobian, result.found.residuals, held, task.sigma_known(),
                                  criterion, no_effect * norm_of(result.fitted, sigma));
   turn_correlations(task, result);
-  const Statistics& s = result.statistics;
+  Statistics& s = result.statistics;
+  if (any_contradicted(result.found)) {  // a wrong column is wrong for the errors of all
+    std::fill(s.standard_error.begin(), s.standard_error.end(), none);
+    std::fill(s.correlation.begin(), s.correlation.end(), none);
+  }
   result.deviation = task.sigma_known() ? s.deviation : s.deviation * sigma.front();
   for (std::size_t j = 0; j < n; ++j) {
     FoundValue& v = result.values[j];

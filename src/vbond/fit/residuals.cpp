@@ -2,19 +2,60 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 namespace vbond::fit {
+namespace {
+
+constexpr double error_of_runs = 1e-9;  // of the curve
+
+double apart(const std::vector<double>& one, const std::vector<double>& other) {
+  double sum = 0;
+  for (std::size_t i = 0; i < one.size(); ++i) sum += std::pow(one[i] - other[i], 2);
+  return std::sqrt(sum);
+}
+
+/// A column of these derivatives of so many unknowns.
+std::vector<double> column_of(const std::vector<double>& J, std::size_t columns, std::size_t k) {
+  std::vector<double> column;
+  for (std::size_t i = k; i < J.size(); i += columns) column.push_back(J[i]);
+  return column;
+}
+
+}  // namespace
 
 bool Residuals::at(const std::vector<double>& u, std::vector<double>& r) {
   Trial trial = curves_({unknowns_.values(u.data())}).front();
   if (trial.failed()) {
     why = trial.failure, accepted_since_failure = 0;
+    failed_at_.push_back(u);
     return false;
   }
   r = weighted(trial);
   here_ = std::move(trial), here_at_ = u;
   return true;
+}
+
+bool Residuals::failed_near(const std::vector<double>& u) const {
+  return std::any_of(failed_at_.begin(), failed_at_.end(), [&](const std::vector<double>& failed) {
+    for (std::size_t j = 0; j < u.size(); ++j)
+      if (std::abs(failed[j] - u[j]) > unknowns_.step(j, u[j], options_.difference)) return false;
+    return true;
+  });
+}
+
+bool Residuals::within_rounding(const std::vector<double>& r) const {
+  double rr = 0;
+  for (const double x : r) rr += x * x;
+  return std::sqrt(rr) <= error_of_runs * size_of_curve(r);
+}
+
+double Residuals::size_of_curve(const std::vector<double>& r) const {
+  double sum = 0;
+  for (std::size_t i = 0; i < r.size(); ++i) sum += std::pow(r[i] + data_[i] / sigma_[i], 2);
+  return std::sqrt(sum);
 }
 
 bool Residuals::derivatives(const std::vector<double>& u, const std::vector<double>& r,
@@ -36,7 +77,7 @@ bool Residuals::derivatives(const std::vector<double>& u, const std::vector<doub
     ++d;
     if (first) judge_slope(u, r, columns[k], column);
   }
-  if (first && !compare_again(u, r, columns)) return false;
+  if (first && !compare_again(u, r, columns, J)) return false;
   for (std::size_t k = 0; k < n; ++k) {
     const std::size_t j = columns[k];
     Derivative& d = used[j];
@@ -67,17 +108,13 @@ std::string Residuals::why_no_slope(std::size_t j) const {
 /// here.
 bool Residuals::agrees(const std::vector<double>& u, const std::vector<double>& r, std::size_t j,
                        const std::vector<double>& by_difference, double& off) const {
-  const std::vector<double> slope = slope_of(u, j);
-  double apart = 0, size = 0, slope_size = 0, curve = 0;
-  for (std::size_t i = 0; i < slope.size(); ++i) {
-    apart += std::pow(slope[i] - by_difference[i], 2);
-    size += std::pow(by_difference[i], 2), slope_size += std::pow(slope[i], 2);
-    curve += std::pow(r[i] + data_[i] / sigma_[i], 2);
-  }
-  const double h = options_.difference, part = std::max(1e-3, h * h), of_runs = 1e-9 / h * std::sqrt(curve);
-  const bool no_effect = std::sqrt(std::max(size, slope_size)) <= of_runs;
-  off = no_effect ? NAN : size > 0 ? std::sqrt(apart / size) : INFINITY;
-  return std::sqrt(apart) <= part * std::sqrt(size) + of_runs;
+  const std::vector<double> slope = slope_of(u, j), nothing(slope.size(), 0.0);
+  const double size = apart(by_difference, nothing), from_slope = apart(slope, by_difference);
+  const double h = options_.difference, part = std::max(1e-3, h * h),
+               of_runs = error_of_runs / h * size_of_curve(r);
+  const bool no_effect = std::max(size, apart(slope, nothing)) <= of_runs;
+  off = no_effect ? NAN : size > 0 ? from_slope / size : INFINITY;
+  return from_slope <= part * size + of_runs;
 }
 
 void Residuals::judge_slope(const std::vector<double>& u, const std::vector<double>& r, std::size_t j,
@@ -87,10 +124,10 @@ void Residuals::judge_slope(const std::vector<double>& u, const std::vector<doub
   if (!d.exact) d.why_not = why_no_slope(j);
 }
 
-/// Slopes that are not what differences say, with differences of a tenth of the step: those were too long if
-/// these agree.
+/// Slopes that are not what differences say (`before`: points x columns), with differences of a tenth of the
+/// step: those were too long if these agree. Where the two differ from each other, neither is a derivative.
 bool Residuals::compare_again(const std::vector<double>& u, const std::vector<double>& r,
-                              const std::vector<std::size_t>& columns) {
+                              const std::vector<std::size_t>& columns, const std::vector<double>& before) {
   std::vector<std::size_t> doubtful;
   for (const std::size_t j : columns)
     if (options_.exact && has_slope(u, j) && !used[j].exact) doubtful.push_back(j);
@@ -104,12 +141,14 @@ bool Residuals::compare_again(const std::vector<double>& u, const std::vector<do
   const std::size_t m = r.size(), nd = doubtful.size();
   for (std::size_t k = 0; k < nd; ++k) {
     Derivative& d = used[doubtful[k]];
-    const double before = d.off;
+    const double off_before = d.off;
     std::string again;
     if (known) {
-      std::vector<double> column(m);
-      for (std::size_t i = 0; i < m; ++i) column[i] = D[i * nd + k];
+      const std::vector<double> column = column_of(D, nd, k), nothing(m, 0.0);
       d.exact = agrees(u, r, doubtful[k], column, d.off);
+      const auto at = std::find(columns.begin(), columns.end(), doubtful[k]) - columns.begin();
+      const std::vector<double> wider = column_of(before, columns.size(), static_cast<std::size_t>(at));
+      d.contradicted = !d.exact && apart(wider, column) > 0.1 * apart(column, nothing);
       again = fmt::format(", {:.2g} with steps of {:g}", d.off, h);
     }
     d.why_not = d.exact ? ""
@@ -117,7 +156,7 @@ bool Residuals::compare_again(const std::vector<double>& u, const std::vector<do
                               "the tangent and runs beside the start do not say the same, {:.2g} "
                               "off with steps of {:g}{}; either may be wrong, as where rows are too "
                               "coarse, or move from run to run",
-                              before, options_.difference, again);
+                              off_before, options_.difference, again);
   }
   return true;
 }

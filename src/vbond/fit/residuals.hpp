@@ -70,6 +70,11 @@ class Residuals {
   bool derivatives(const std::vector<double>& u, const std::vector<double>& r,
                    const std::vector<std::size_t>& columns, std::vector<double>& J);
 
+  /// Whether a run failed no farther from u than the step of differences, in each unknown.
+  bool failed_near(const std::vector<double>& u) const;
+  /// Whether residuals are no more than the error of runs, so that nothing can be read from them.
+  bool within_rounding(const std::vector<double>& r) const;
+
   std::exception_ptr failure;
   std::string why;
   bool no_derivative = false;
@@ -88,16 +93,18 @@ class Residuals {
   bool agrees(const std::vector<double>& u, const std::vector<double>& r, std::size_t j,
               const std::vector<double>& by_difference, double& off) const;
   bool compare_again(const std::vector<double>& u, const std::vector<double>& r,
-                     const std::vector<std::size_t>& columns);
+                     const std::vector<std::size_t>& columns, const std::vector<double>& before);
   bool differences(const std::vector<double>& u, const std::vector<double>& r,
                    const std::vector<std::size_t>& columns, double step, std::vector<double>& J);
   std::pair<double, double> steps_at(std::size_t j, double u, double step) const;
   std::vector<double> weighted(const Trial& trial) const;
+  double size_of_curve(const std::vector<double>& r) const;
 
   const Unknowns& unknowns_;
   const std::vector<double>&data_, &sigma_;
   const Curves& curves_;
   const SearchOptions& options_;
+  std::vector<std::vector<double>> failed_at_;
   Trial here_;  ///< where at() has been last
   std::vector<double> here_at_;
 };

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <functional>
@@ -58,6 +59,8 @@ struct Derivative {
   /// has no effect there beyond the error of runs.
   double off = NAN;
   std::string why_not;  ///< not exact: the reason
+  /// Not exact, and differences with a tenth of the step say something else: there is no derivative.
+  bool contradicted = false;
   /// How often it was asked for; of these, though exact, by differences, for a reason such as the last.
   std::size_t times = 0, fell_back = 0;
   std::string fell_back_why = {};
@@ -80,6 +83,12 @@ struct Found {
   std::vector<std::string>
       one_sided;  ///< failures beside an accepted point: there the derivative is one-sided
 };
+
+/// Whether there is no derivative with some value, so that no error of any can be told.
+inline bool any_contradicted(const Found& found) {
+  return std::any_of(found.derivatives.begin(), found.derivatives.end(),
+                     [](const Derivative& d) { return d.contradicted; });
+}
 
 /// Searches from the starts; `data` and `sigma` as the curve, sigma > 0. Deterministic: the sets of values it
 /// asks for depend on the trials alone. Throws what `curves` throws, std::invalid_argument if sizes do not

@@ -142,6 +142,7 @@ Homogenised Fields::result(TangentSolver& solver, DenseMatrix& X) {
   found.particles = model_.particles();
   found.bonds = unbroken_bonds(state_);
   found.floating = floating_particles(model_, state_, body.unknowns());
+  if (found.floating == model_.particles()) found.C = {}, found.stress = {};  // but for rounding
   found.solver = solver.name();
   for (const auto& row : found.C)
     for (const double x : row)

@@ -171,22 +171,28 @@ class Saddle {
   /// balance.
   std::optional<Vector> along_mode(double change) {
     if (!solver_.factor(body_)) return {};
-    const DenseMatrix B = responses();
-    return Vector(B * solve_dense(modes_.transpose() * B, change * Vector::Unit(modes_.cols(), 0)));
+    const std::optional<DenseMatrix> B = responses();
+    if (!B) return {};
+    return Vector(*B * solve_dense(modes_.transpose() * *B, change * Vector::Unit(modes_.cols(), 0)));
   }
 
   /// Newton's step that does not move the body along the modes.
   std::optional<Vector> correction() {
     if (!solver_.factor(body_)) return {};
+    const std::optional<DenseMatrix> B = responses();
+    if (!B) return {};
     const Vector a = solver_.solve_full(body_, body_.unbalanced());
-    const DenseMatrix B = responses();
-    return Vector(a - B * solve_dense(modes_.transpose() * B, modes_.transpose() * a));
+    return Vector(a - *B * solve_dense(modes_.transpose() * *B, modes_.transpose() * a));
   }
 
-  /// To a force along each mode.
-  DenseMatrix responses() const {
+  /// To a force along each mode. Nothing where outside moments make the tangent singular.
+  std::optional<DenseMatrix> responses() const {
     DenseMatrix B(modes_.rows(), modes_.cols());
-    for (Eigen::Index k = 0; k < B.cols(); ++k) B.col(k) = solver_.solve_full(body_, modes_.col(k));
+    for (Eigen::Index k = 0; k < B.cols(); ++k) {
+      const Vector response = solver_.solve_full(body_, modes_.col(k));
+      if (response.size() == 0) return {};
+      B.col(k) = response;
+    }
     return B;
   }
 
