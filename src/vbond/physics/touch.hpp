@@ -250,7 +250,7 @@ VBOND_HD TouchLoads<T> touch(const TouchForms& f, const TouchNumbers<T>& c, cons
   T adhesion = zero;
   if (f.adhesion != AdhesionForm::none) {  // what surfaces gain as they meet does not come back
     const T gained = normal_energy(f, c, p.R, p.overlap) + half * N.F * v_n * dt;
-    adhesion = -where_greater(before.a, zero, zero, gained);
+    adhesion = where_greater(before.a, zero, zero, larger(-gained, zero));  // what is made is no loss below 0
   }
   return {s.F_t + s.F_d - N.F * p.n,
           r.M_r + r.M_t * p.n,

@@ -11,6 +11,7 @@ namespace {
 
 /// Two normals farther apart than 60 degrees belong to two touches.
 constexpr double same_touch = 0.5;
+constexpr std::size_t no_slot = static_cast<std::size_t>(-1);
 
 }  // namespace
 
@@ -61,6 +62,31 @@ Touching<double> MotionWalls::touching(const Near& near, const WallTouch& touch)
   return p;
 }
 
+/// Which of the slots each touch goes on with: the one with the likest normal, touches before surfaces that
+/// are near only. So it does not matter in which order triangles stand, and what a particle does not touch
+/// takes nothing from what it does.
+void MotionWalls::match(const Near& near, const std::vector<WallTouch>& touches,
+                        const std::vector<Slot>& slots, std::vector<std::size_t>& slot_of) const {
+  const double R = model_.radius[bodies_.order.particle[Row{near.row}]];
+  const Quatd& q = walls_[near.wall].q;
+  slot_of.assign(touches.size(), no_slot);
+  for (const bool touching : {true, false})
+    for (;;) {
+      std::size_t touch = 0, slot = no_slot;
+      double most = same_touch;
+      for (std::size_t t = 0; t < touches.size(); ++t) {
+        if (slot_of[t] != no_slot || (touches[t].distance < R) != touching) continue;
+        const Vec3d normal = rotate(q, touches[t].normal);
+        for (std::size_t s = 0; s < slots.size(); ++s)
+          if (const double likeness = dot(slots[s].normal, normal);
+              likeness > most && std::find(slot_of.begin(), slot_of.end(), s) == slot_of.end())
+            most = likeness, touch = t, slot = s;
+      }
+      if (slot == no_slot) break;
+      slot_of[touch] = slot;
+    }
+}
+
 TouchLosses<double> MotionWalls::add_touches(OfBlock& block, Near& near, LoadRow& load, double dt) {
   const Vec3d r = bodies_.pose[near.row].r;
   const double R = model_.radius[bodies_.order.particle[Row{near.row}]];
@@ -74,23 +100,19 @@ TouchLosses<double> MotionWalls::add_touches(OfBlock& block, Near& near, LoadRow
   std::vector<Slot>& before = block.slots;
   before.clear();
   std::swap(before, near.slots);
-  for (const WallTouch& touch : touches) {
+  match(near, touches, before, block.slot_of);
+  for (std::size_t t = 0; t < touches.size(); ++t) {
+    const WallTouch& touch = touches[t];
     if (is_too_wide(R, touch.curvature_1, touch.curvature_2)) {
       block.faults.push_back({Fault::too_wide, near.wall, bodies_.order.particle[Row{near.row}]});
       continue;
     }
     const Touching<double> p = touching(near, touch);
-    const Vec3d normal = -p.n;
-    auto same = before.end();
-    for (auto s = before.begin(); s != before.end(); ++s) {
-      const double likeness = dot(s->normal, normal);
-      if (likeness > (same == before.end() ? same_touch : dot(same->normal, normal))) same = s;
-    }
-    Slot slot{normal, same == before.end() ? PairHistory{} : same->history};
+    const std::size_t same = block.slot_of[t];
+    Slot slot{-p.n, same == no_slot ? PairHistory{} : before[same].history};
     const bool touches_now =
         p.overlap > 0.0 || (slot.history[3] > 0.0 && holds_on(forms_, c, p.R, p.overlap));
-    if (!touches_now && same == before.end()) continue;
-    if (same != before.end()) before.erase(same);
+    if (!touches_now && same == no_slot) continue;
     if (!touches_now) {
       if (dt > 0.0) lost += lost_on_parting(forms_, c, p, dt, touch_history(slot.history));
       continue;
@@ -115,7 +137,9 @@ TouchLosses<double> MotionWalls::add_touches(OfBlock& block, Near& near, LoadRow
     near.slots.push_back(slot);
   }
   if (dt > 0.0)
-    for (const Slot& s : before) {  // what it does not touch any more
+    for (std::size_t k = 0; k < before.size(); ++k) {  // what it does not touch any more
+      if (std::find(block.slot_of.begin(), block.slot_of.end(), k) != block.slot_of.end()) continue;
+      const Slot& s = before[k];
       Touching<double> p{};
       p.n = -s.normal, p.R = R, p.l_i = R;
       p.w_i = bodies_.motion[near.row].omega, p.w_j = walls_[near.wall].angular_velocity;
@@ -132,11 +156,11 @@ double MotionWalls::energy(const Near& near) const {
   const double R = model_.radius[bodies_.order.particle[Row{near.row}]];
   surfaces_[near.wall].touches_of({triangles.data() + near.first, triangles.data() + near.last},
                                   at_start(near.wall, bodies_.pose[near.row].r), R + reach_, touches);
-  for (const WallTouch& touch : touches) {
-    const Touching<double> p = touching(near, touch);
-    const bool held = std::any_of(near.slots.begin(), near.slots.end(), [&](const Slot& s) {
-      return dot(s.normal, p.n) < -same_touch && s.history[3] > 0.0;
-    });
+  std::vector<std::size_t> slot_of;
+  match(near, touches, near.slots, slot_of);
+  for (std::size_t t = 0; t < touches.size(); ++t) {
+    const Touching<double> p = touching(near, touches[t]);
+    const bool held = slot_of[t] != no_slot && near.slots[slot_of[t]].history[3] > 0.0;
     if (p.overlap > 0.0 || (held && holds_on(forms_, numbers(near), p.R, p.overlap)))
       U += normal_energy(forms_, numbers(near), p.R, p.overlap);
   }

@@ -86,10 +86,11 @@ class MotionWalls final : public MotionTerm {
   struct OfBlock {
     std::vector<Near> near;
     std::vector<std::uint32_t> triangles;
-    std::vector<WallTouch> touches;  // scratch
-    std::vector<Slot> slots;         // scratch
-    std::vector<Vec3d> F, M;         // on each wall
-    std::vector<Slopes> slopes;      // of its touches, of walls with servos
+    std::vector<WallTouch> touches;    // scratch
+    std::vector<Slot> slots;           // scratch
+    std::vector<std::size_t> slot_of;  // scratch: of each touch
+    std::vector<Vec3d> F, M;           // on each wall
+    std::vector<Slopes> slopes;        // of its touches, of walls with servos
     std::vector<FaultyTouch> faults;
   };
 
@@ -105,6 +106,8 @@ class MotionWalls final : public MotionTerm {
   void list(OfBlock& block, RowRange rows);
   double energy(const Near& near) const;
   Touching<double> touching(const Near& near, const WallTouch& touch) const;
+  void match(const Near& near, const std::vector<WallTouch>& touches, const std::vector<Slot>& slots,
+             std::vector<std::size_t>& slot_of) const;
   TouchLosses<double> add_touches(OfBlock& block, Near& near, LoadRow& load, double dt);
   Vec3d at_start(std::uint32_t wall, const Vec3d& r) const {
     return vbond::at_start(model_.walls[wall], walls_[wall], r);
