@@ -210,8 +210,7 @@ void describe(Table& t, RodSpecimen& s) {
   t.key("origin", s.origin, vector_of(length), optional, origin_doc);
   t.key("direction", s.direction, direction_vector, optional, "along the rod; its length does not matter");
   t.key("half_ends", s.half_ends, FlagCodec{}, optional,
-        "true: the first and the last particle have half the mass of the others, so that free ends are "
-        "those of a bar; the default inertia goes with it");
+        "true: the first and the last particle have half the mass, as free ends of a bar");
 }
 
 void describe(Table& t, HemisphereSpecimen& s) {
